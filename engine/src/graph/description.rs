@@ -1,0 +1,208 @@
+//! The untyped layer of the render graph: names, versions, accesses. Plain data, no lifetime, no device.
+//!
+//! A resource's contents are *versions* in single-assignment form. Every write makes a new version from an older
+//! one; a read names the version it wants. What a version comes from says all there is to say about order:
+//! a reader comes after the pass that made the version and before the pass that replaces it.
+
+use ash::vk;
+
+/// A whole frame, as described by its techniques.
+#[derive(Clone, Debug, Default)]
+pub struct Description {
+    /// For messages and reports.
+    pub name: String,
+    /// Images and buffers.
+    pub resources: Vec<Resource>,
+    /// States of resources' contents.
+    pub versions: Vec<Version>,
+    /// In the order they were recorded.
+    pub passes: Vec<Pass>,
+    /// Versions that must exist at the end of the frame.
+    pub roots: Vec<Root>,
+}
+
+/// Index into [`Description::resources`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ResourceId(pub u32);
+
+/// Index into [`Description::versions`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct VersionId(pub u32);
+
+/// Index into [`Description::passes`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct PassId(pub u32);
+
+/// An image or a buffer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Resource {
+    /// Unique within a frame.
+    pub name: String,
+    /// Image or buffer, with its size.
+    pub shape: Shape,
+    /// Where its memory comes from.
+    pub origin: Origin,
+}
+
+/// Image or buffer.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// An image.
+    Image(ImageShape),
+    /// A buffer of so many bytes.
+    Buffer {
+        /// Bytes.
+        size: u64,
+    },
+}
+
+/// Size and format of an image. Two-dimensional where `extent[2]` is 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct ImageShape {
+    /// Texel format.
+    pub format: vk::Format,
+    /// Width, height, depth in texels.
+    pub extent: [u32; 3],
+    /// Mip levels.
+    pub mips: u32,
+    /// Array layers.
+    pub layers: u32,
+    /// 1 or 4 on software drivers.
+    pub samples: u32,
+}
+
+/// Where a resource's memory comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Origin {
+    /// Lives within the frame; may share memory with others.
+    Transient,
+    /// Owned by the application or by an earlier frame. `before` is the state it arrives in, `after` the one it is
+    /// to be left in (`None`: as its last use leaves it).
+    Imported {
+        /// State at the start of the frame.
+        before: Access,
+        /// State at the end of the frame.
+        after: Option<Access>,
+    },
+}
+
+/// Stages, access mask and layout: what a use needs, or what state a resource is in.
+/// Buffers leave `layout` at `UNDEFINED`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub struct Access {
+    /// Pipeline stages.
+    pub stages: vk::PipelineStageFlags2,
+    /// Memory accesses.
+    pub mask: vk::AccessFlags2,
+    /// Image layout.
+    pub layout: vk::ImageLayout,
+}
+
+/// Part of a resource.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Range {
+    /// Of an image: aspects, `[first, end)` of mips and of layers.
+    Image {
+        /// Colour, depth, stencil.
+        aspects: vk::ImageAspectFlags,
+        /// `[first, end)`.
+        mips: [u32; 2],
+        /// `[first, end)`.
+        layers: [u32; 2],
+    },
+    /// Of a buffer: `[first, end)` in bytes.
+    Buffer([u64; 2]),
+}
+
+/// The contents of (a part of) a resource at one point of the frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Version {
+    /// Whose contents.
+    pub resource: ResourceId,
+    /// Which part.
+    pub range: Range,
+    /// Where the contents come from.
+    pub source: Source,
+}
+
+/// Where a version's contents come from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Source {
+    /// At the start of the frame: undefined for a transient, kept for an imported resource.
+    Initial,
+    /// A pass wrote them over `from`.
+    Pass {
+        /// The writer.
+        pass: PassId,
+        /// The version it replaced, whole.
+        from: VersionId,
+    },
+    /// A part of another version, made so that parts can be written in any order.
+    Split {
+        /// The whole.
+        of: VersionId,
+    },
+    /// One of several versions that unordered writers make from `of`, each seeing some of the others' writes
+    /// (atomic appends); they cover the same range.
+    Fork {
+        /// What they started from.
+        of: VersionId,
+    },
+    /// Parts or forks put together again.
+    Join {
+        /// All of them.
+        of: Vec<VersionId>,
+    },
+}
+
+/// A pass.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pass {
+    /// Unique within a frame.
+    pub name: String,
+    /// Queue it would like to run on.
+    pub queue: Queue,
+    /// What it reads and writes.
+    pub uses: Vec<Use>,
+    /// A reason why it runs although nobody reads what it writes.
+    pub side_effect: Option<String>,
+}
+
+/// Kind of queue.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub enum Queue {
+    /// Draws, and everything else.
+    #[default]
+    Graphics,
+    /// Dispatches and copies.
+    Compute,
+    /// Copies.
+    Transfer,
+}
+
+/// One use of one version by one pass.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Use {
+    /// What the pass calls it: name of the binding or of the attachment, for messages.
+    pub slot: String,
+    /// The version it reads, or writes over.
+    pub version: VersionId,
+    /// The version it makes, where it writes.
+    pub makes: Option<VersionId>,
+    /// Whether the contents of `version` matter. A use that only writes every texel does not read.
+    pub reads: bool,
+    /// Stages, mask, layout.
+    pub access: Access,
+}
+
+/// A version that must exist at the end of the frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Root {
+    /// Name of the capture, or of the reason.
+    pub name: String,
+    /// Which version.
+    pub version: VersionId,
+    /// Whether its bytes are copied to the host at the end of the frame. Where a later pass would overwrite the
+    /// version, the copy happens before that pass.
+    pub read_back: bool,
+}

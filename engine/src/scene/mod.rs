@@ -1,0 +1,33 @@
+//! Scenes: what a frame is made of, on the host. Metres, radians, linear Rec. 709 radiometry in glTF's units,
+//! y up, right-handed.
+
+mod camera;
+mod light;
+mod material;
+mod mesh;
+
+pub use camera::{Camera, Projection, View, depth};
+pub use light::{Light, LightKind};
+pub use material::{AlphaMode, Filter, Material, Texture, TextureSlot, Wrap};
+pub use mesh::{Mesh, Object, Primitive};
+
+/// A scene in host memory.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// File stem or built-in name.
+    pub name: String,
+    /// Shared geometry.
+    pub meshes: Vec<Mesh>,
+    /// Materials; a primitive without one uses [`Material::default`], which importers add at the end.
+    pub materials: Vec<Material>,
+    /// Decoded images.
+    pub textures: Vec<Texture>,
+    /// Instances of meshes, in a fixed order: `id.object` is the index plus 1.
+    pub objects: Vec<Object>,
+    /// Lights.
+    pub lights: Vec<Light>,
+    /// Cameras.
+    pub cameras: Vec<Camera>,
+    /// What was passed over while loading, a sentence each (a skipped point list, an unknown optional extension).
+    pub warnings: Vec<String>,
+}

@@ -1,0 +1,132 @@
+//! What reflection knows of a shader.
+
+use std::marker::PhantomData;
+
+/// Shader stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Stage {
+    /// Vertex shader.
+    Vertex,
+    /// Geometry shader.
+    Geometry,
+    /// Fragment shader.
+    Fragment,
+    /// Compute shader.
+    Compute,
+}
+
+/// Kind of a descriptor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum BindingKind {
+    /// `uniform` block.
+    UniformBuffer,
+    /// `buffer` block.
+    StorageBuffer,
+    /// `sampler2D` and relatives: image and sampler in one.
+    CombinedImageSampler,
+    /// `texture2D` and relatives.
+    SampledImage,
+    /// `sampler`.
+    Sampler,
+    /// `image2D` and relatives.
+    StorageImage,
+}
+
+/// What a shader may do to a binding: from its `readonly` and `writeonly` qualifiers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ShaderAccess {
+    /// Only loads.
+    Read,
+    /// Only stores.
+    Write,
+    /// Loads and stores, or atomics.
+    ReadWrite,
+}
+
+/// One descriptor binding of a shader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Binding {
+    /// Descriptor set: 0 is the pass's and is bound by the render graph, 1 is the material's.
+    pub set: u32,
+    /// Binding number in the set.
+    pub binding: u32,
+    /// Name in the shader: of the variable, or of the block where the block has no instance name.
+    pub name: &'static str,
+    /// Kind of descriptor.
+    pub kind: BindingKind,
+    /// What the shader may do to it.
+    pub access: ShaderAccess,
+    /// Array length; 1 where it is no array.
+    pub count: u32,
+    /// For blocks, bytes of the fixed part; a storage block's run-time array counts as 0. For others 0.
+    pub size: u32,
+}
+
+/// A fragment shader's colour output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Output {
+    /// `layout(location = …)`.
+    pub location: u32,
+    /// Name in the shader.
+    pub name: &'static str,
+    /// Scalar kind of its components.
+    pub scalar: OutputScalar,
+    /// 1 to 4.
+    pub components: u32,
+}
+
+/// Scalar kind of a fragment output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OutputScalar {
+    /// Float, unorm and the like.
+    Float,
+    /// Unsigned integer.
+    Uint,
+    /// Signed integer.
+    Int,
+}
+
+/// Push constants of a shader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Push {
+    /// Name of the block.
+    pub name: &'static str,
+    /// Bytes, from offset 0.
+    pub size: u32,
+}
+
+/// A compiled shader of one stage.
+#[derive(Clone, Copy, Debug)]
+pub struct Shader {
+    /// Path below `shaders_glsl/`, for messages.
+    pub file: &'static str,
+    /// Its stage.
+    pub stage: Stage,
+    /// The code; the entry point is `main`.
+    pub spirv: &'static [u32],
+    /// Its descriptors, by set and binding.
+    pub bindings: &'static [Binding],
+    /// Its push constants, where it has some.
+    pub push: Option<Push>,
+    /// Fragment outputs, by location.
+    pub outputs: &'static [Output],
+    /// Workgroup size; `[0; 3]` where it is no compute shader.
+    pub workgroup: [u32; 3],
+    /// SPIR-V capabilities that go beyond the engine's required features, by name.
+    pub capabilities: &'static [&'static str],
+}
+
+/// Typed name of a uniform block: `T` is the generated struct.
+pub struct UniformSlot<T>(pub Binding, pub PhantomData<fn(T)>);
+
+/// Typed name of a storage block: `T` is the generated struct of its fixed part, or of the element where it is
+/// nothing but a run-time array.
+pub struct StorageSlot<T>(pub Binding, pub PhantomData<fn(T)>);
+
+/// Typed name of an image binding: sampled, or storage.
+#[derive(Clone, Copy, Debug)]
+pub struct ImageSlot(pub Binding);
+
+/// Typed name of a fragment shader's colour output.
+#[derive(Clone, Copy, Debug)]
+pub struct ColorSlot(pub Output);
