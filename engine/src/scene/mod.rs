@@ -2,14 +2,23 @@
 //! y up, right-handed.
 
 mod camera;
+mod depth_only;
+mod draw;
 mod light;
+mod light_buffer;
 mod material;
 mod mesh;
+mod upload;
+mod view_set;
 
 pub use camera::{Camera, Projection, View, depth};
+pub use draw::{ALPHA_TESTED, Draw, DrawClass, DrawList, Faces, POSITIONS, SHADED};
 pub use light::{Light, LightKind};
+pub use light_buffer::{LightShadow, record_lights};
 pub use material::{AlphaMode, Filter, Material, Texture, TextureSlot, Wrap};
 pub use mesh::{Mesh, Object, Primitive};
+pub use upload::GpuScene;
+pub use view_set::ViewSet;
 
 /// A scene in host memory.
 #[derive(Clone, Debug, Default)]
