@@ -1,7 +1,10 @@
 //! Scenes: what a frame is made of, on the host. Metres, radians, linear Rec. 709 radiometry in glTF's units,
 //! y up, right-handed.
 
+mod bounds;
+pub mod builtin;
 mod camera;
+mod gltf;
 mod light;
 mod material;
 mod mesh;
@@ -12,6 +15,8 @@ pub use material::{AlphaMode, Filter, Material, Texture, TextureSlot, Wrap};
 pub use mesh::{Mesh, Object, Primitive};
 
 /// A scene in host memory.
+///
+/// Made by [`Scene::load`] or [`Scene::builtin`].
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// File stem or built-in name.

@@ -1,0 +1,5 @@
+//! Pure geometry on the host: no device, no files.
+
+mod bounds;
+
+pub use bounds::Aabb;
