@@ -1,58 +1,74 @@
-//! Axis-aligned boxes.
+//! Axis-aligned bounding boxes.
 
 use glam::{Mat4, Vec3};
 
-/// An axis-aligned box.
+/// An axis-aligned bounding box; `min` and `max` are in the box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
-    /// Lower corner.
+    /// Least coordinates.
     pub min: Vec3,
-    /// Upper corner.
+    /// Greatest coordinates.
     pub max: Vec3,
 }
 
 impl Aabb {
-    /// Holds nothing; the neutral element of [`Aabb::union`].
-    pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
-
-    /// Smallest box around points.
-    pub fn of(points: impl IntoIterator<Item = Vec3>) -> Self {
-        points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
+    /// The smallest box around `points`; `None` around nothing.
+    pub fn around(points: impl IntoIterator<Item = Vec3>) -> Option<Self> {
+        let mut points = points.into_iter();
+        let first = points.next()?;
+        Some(points.fold(Self { min: first, max: first }, |b, p| Self { min: b.min.min(p), max: b.max.max(p) }))
     }
 
-    /// Whether it holds no point.
-    pub fn is_empty(&self) -> bool {
-        self.min.cmpgt(self.max).any()
-    }
-
-    /// Smallest box around both.
+    /// The smallest box around both.
     pub fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// Middle.
-    pub fn center(&self) -> Vec3 {
-        (self.min + self.max) * 0.5
+    /// Middle of the box.
+    pub fn center(self) -> Vec3 {
+        self.min + self.size() * 0.5
     }
 
-    /// Length of the diagonal; 0 for an empty box.
-    pub fn diagonal(&self) -> f32 {
-        if self.is_empty() { 0.0 } else { self.min.distance(self.max) }
+    /// Lengths of the edges.
+    pub fn size(self) -> Vec3 {
+        self.max - self.min
     }
 
-    /// The eight corners.
-    pub fn corners(&self) -> [Vec3; 8] {
+    /// Radius of the sphere through the corners.
+    pub fn radius(self) -> f32 {
+        self.size().length() * 0.5
+    }
+
+    /// The eight corners; bit 0, 1, 2 of the index chooses x, y, z of `max`.
+    pub fn corners(self) -> [Vec3; 8] {
         std::array::from_fn(|i| {
-            let pick = |bit: usize, axis: usize| if i >> bit & 1 == 0 { self.min[axis] } else { self.max[axis] };
-            Vec3::new(pick(0, 0), pick(1, 1), pick(2, 2))
+            let pick = |bit: usize, low: f32, high: f32| if i >> bit & 1 == 0 { low } else { high };
+            Vec3::new(pick(0, self.min.x, self.max.x), pick(1, self.min.y, self.max.y), pick(2, self.min.z, self.max.z))
         })
     }
 
-    /// Box around the transformed box.
-    pub fn transformed(&self, transform: &Mat4) -> Self {
-        if self.is_empty() {
-            return *self;
-        }
-        Self::of(self.corners().map(|corner| transform.transform_point3(corner)))
+    /// The box around the transformed corners, which holds the transformed contents.
+    pub fn transformed(self, matrix: Mat4) -> Self {
+        let [first, rest @ ..] = self.corners().map(|corner| matrix.transform_point3(corner));
+        rest.iter().fold(Self { min: first, max: first }, |b, &p| Self { min: b.min.min(p), max: b.max.max(p) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_has_no_bounds() {
+        assert_eq!(Aabb::around([]), None);
+    }
+
+    #[test]
+    fn a_turned_box_holds_its_corners() {
+        let unit = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
+        let turned = unit.transformed(Mat4::from_rotation_z(std::f32::consts::FRAC_PI_4));
+        let half = std::f32::consts::FRAC_1_SQRT_2;
+        assert!((turned.min - Vec3::new(-half, 0.0, 0.0)).length() < 1e-6, "{turned:?}");
+        assert!((turned.max - Vec3::new(half, 2.0 * half, 1.0)).length() < 1e-6, "{turned:?}");
     }
 }

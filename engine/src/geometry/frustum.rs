@@ -1,6 +1,6 @@
 //! View frusta.
 
-use glam::{Mat4, Vec4};
+use glam::{Mat4, Vec3, Vec4};
 
 use super::Aabb;
 
@@ -20,13 +20,12 @@ impl Frustum {
 
     /// Whether a box may touch it. Conservative: never false for a box that does.
     pub fn touches(&self, bounds: &Aabb) -> bool {
-        !bounds.is_empty()
-            && self.planes.iter().all(|plane| {
-                let normal = plane.truncate();
-                let corner = glam::Vec3::select(normal.cmpge(glam::Vec3::ZERO), bounds.max, bounds.min);
-                // Room for the rounding of a long sum.
-                let slack = 1e-5 * (normal.abs().dot(corner.abs()) + plane.w.abs());
-                normal.dot(corner) + plane.w >= -slack
-            })
+        self.planes.iter().all(|plane| {
+            let normal = plane.truncate();
+            let corner = Vec3::select(normal.cmpge(Vec3::ZERO), bounds.max, bounds.min);
+            // Room for the rounding of a long sum.
+            let slack = 1e-5 * (normal.abs().dot(corner.abs()) + plane.w.abs());
+            normal.dot(corner) + plane.w >= -slack
+        })
     }
 }

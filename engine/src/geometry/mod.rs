@@ -1,4 +1,4 @@
-//! Geometry on the host: bounds and frusta.
+//! Pure geometry on the host: no device, no files.
 
 mod bounds;
 mod frustum;

@@ -80,9 +80,9 @@ impl DrawList {
         &self.draws
     }
 
-    /// World-space bounds of all draws.
-    pub fn bounds(&self) -> Aabb {
-        self.draws.iter().fold(Aabb::EMPTY, |bounds, draw| bounds.union(draw.bounds))
+    /// World-space bounds of all draws; `None` of nothing.
+    pub fn bounds(&self) -> Option<Aabb> {
+        self.draws.iter().map(|draw| draw.bounds).reduce(Aabb::union)
     }
 
     /// The draws of a class that touch one of the frusta (all where there are none).

@@ -1,9 +1,12 @@
 //! Scenes: what a frame is made of, on the host. Metres, radians, linear Rec. 709 radiometry in glTF's units,
 //! y up, right-handed.
 
+mod bounds;
+pub mod builtin;
 mod camera;
 mod depth_only;
 mod draw;
+mod gltf;
 mod light;
 mod light_buffer;
 mod material;
@@ -21,6 +24,8 @@ pub use upload::GpuScene;
 pub use view_set::ViewSet;
 
 /// A scene in host memory.
+///
+/// Made by [`Scene::load`] or [`Scene::builtin`].
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// File stem or built-in name.

@@ -37,7 +37,7 @@ pub struct GpuScene {
     pub no_depth: Image,
     /// All draws.
     pub draws: DrawList,
-    /// World-space bounds.
+    /// World-space bounds; a point at the origin where there is nothing.
     pub bounds: Aabb,
 }
 
@@ -114,7 +114,7 @@ impl Scene {
         }
 
         gpu.wait(uploader.submit()?)?;
-        let bounds = draws.bounds();
+        let bounds = draws.bounds().unwrap_or(Aabb { min: Vec3::ZERO, max: Vec3::ZERO });
         Ok(GpuScene {
             scene: self,
             positions,
@@ -196,7 +196,8 @@ fn draws_and_instances(scene: &Scene, geometry: &Geometry) -> (DrawList, Vec<blo
         let (class, double_sided, mirrored, material, mesh, part) = item.key;
         let object = &scene.objects[item.object];
         let primitives = &scene.meshes[mesh].primitives;
-        let bounds = Aabb::of(primitives[part].positions.iter().copied()).transformed(&object.world_from_object);
+        let Some(bounds) = Aabb::around(primitives[part].positions.iter().copied()) else { continue };
+        let bounds = bounds.transformed(object.world_from_object);
         let before: usize = primitives[..part].iter().map(|p| p.indices.len() / 3).sum();
         instances.push(instance_record(&object.world_from_object, item.object, material, before));
         // Blended instances are sorted one by one, so each is a draw of its own.

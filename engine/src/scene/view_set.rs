@@ -85,12 +85,8 @@ impl View {
 
     /// Nearest and farthest distance along the view axis at which the view may see something of a box, metres.
     pub fn distances(&self, bounds: &Aabb) -> [f32; 2] {
-        let in_view = bounds.transformed(&self.view_from_world);
-        let near = self.near().max(1e-6);
-        if in_view.is_empty() {
-            return [near, near * 2.0];
-        }
-        let near = near.max(-in_view.max.z);
+        let in_view = bounds.transformed(self.view_from_world);
+        let near = self.near().max(1e-6).max(-in_view.max.z);
         [near, (-in_view.min.z).max(near * 1.001)]
     }
 

@@ -66,9 +66,6 @@ fn round_up(radius: f32) -> f32 {
 
 /// Distances of a box along the light's axis, from the plane at `z` in the light's view space.
 fn depth_range(scene: &Aabb, view_from_world: &Mat4, z: f32) -> [f32; 2] {
-    let bounds = scene.transformed(view_from_world);
-    if bounds.is_empty() {
-        return [-1.0, 1.0];
-    }
+    let bounds = scene.transformed(*view_from_world);
     [z - bounds.max.z, z - bounds.min.z]
 }

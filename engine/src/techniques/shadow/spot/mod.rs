@@ -61,7 +61,7 @@ impl Spot {
         lights: &[&Light],
         masks: Vec<ImageHandle>,
     ) -> Option<SpotShadows> {
-        let views: Vec<_> = lights.iter().filter_map(|light| self.view(light, scene.bounds.diagonal())).collect();
+        let views: Vec<_> = lights.iter().filter_map(|light| self.view(light, 2.0 * scene.bounds.radius())).collect();
         if views.is_empty() {
             return None;
         }
