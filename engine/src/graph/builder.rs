@@ -8,7 +8,6 @@ use super::description::{
     Access, Description, ImageShape, Origin, Pass, PassId, Queue, Range, Resource, ResourceId, Root, Shape, Source,
     Use, Version, VersionId,
 };
-use super::handle::sealed::Sealed;
 use super::handle::{BufferHandle, Handle, ImageHandle};
 use super::pass::{ComputePass, RasterPass, Work};
 use crate::gpu::{Buffer, Caps, Image};

@@ -1,4 +1,5 @@
 //! The render graph: describe, plan, execute, report.
+mod access;
 mod builder;
 pub mod description;
 mod handle;
