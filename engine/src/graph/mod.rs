@@ -1,17 +1,16 @@
 //! The render graph: describe, plan, execute, report.
+mod access;
 mod builder;
 pub mod description;
+mod errors;
 mod handle;
 mod pass;
+pub mod plan;
 mod record;
 
 pub use builder::{Data, Graph};
 pub use description::ImageShape;
+pub use errors::{ErrorKind, GraphError, GraphErrors};
 pub use handle::{BufferHandle, Handle, ImageHandle};
 pub use pass::{ComputePass, Load, RasterPass};
 pub use record::Recorder;
-
-/// All that is wrong with a graph.
-#[derive(Debug, thiserror::Error)]
-#[error("placeholder")]
-pub struct GraphErrors;
