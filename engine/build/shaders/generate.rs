@@ -116,7 +116,7 @@ fn write_block(code: &mut String, block_name: &str, block: &Block) {
     #[derive(Clone, Copy, Debug, PartialEq, ::bytemuck::Pod, ::bytemuck::Zeroable)]
     pub struct {name} {{
 {fields}    }}
-    impl Default for {name} {{
+    impl ::core::default::Default for {name} {{
         fn default() -> Self {{
             ::bytemuck::Zeroable::zeroed()
         }}

@@ -71,7 +71,7 @@
         /// Padding.
         pub _padding_620: [u8; 4],
     }
-    impl Default for Everything {
+    impl ::core::default::Default for Everything {
         fn default() -> Self {
             ::bytemuck::Zeroable::zeroed()
         }
@@ -89,7 +89,7 @@
         /// `mat2x3` at byte 16.
         pub basis: [[f32; 3]; 2],
     }
-    impl Default for Light {
+    impl ::core::default::Default for Light {
         fn default() -> Self {
             ::bytemuck::Zeroable::zeroed()
         }
@@ -107,7 +107,7 @@
         /// Padding.
         pub _padding_20: [u8; 4],
     }
-    impl Default for Link {
+    impl ::core::default::Default for Link {
         fn default() -> Self {
             ::bytemuck::Zeroable::zeroed()
         }
@@ -121,7 +121,7 @@
         /// `uint` at byte 0.
         pub count: u32,
     }
-    impl Default for Nodes {
+    impl ::core::default::Default for Nodes {
         fn default() -> Self {
             ::bytemuck::Zeroable::zeroed()
         }
@@ -137,7 +137,7 @@
         /// Padding.
         pub _padding_4: [u8; 4],
     }
-    impl Default for Sums {
+    impl ::core::default::Default for Sums {
         fn default() -> Self {
             ::bytemuck::Zeroable::zeroed()
         }
