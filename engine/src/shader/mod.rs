@@ -14,9 +14,11 @@
 //! [`generated::ALL`] lists every shader.
 
 mod binding;
+mod program;
 mod slot;
 
 pub use binding::{Binding, BindingKind, ImageType, Input, Output, OutputScalar, Push, Shader, ShaderAccess, Stage};
+pub use program::{Pipelines, Program, Targets};
 pub use slot::{
     Access, Buffer, ColorSlot, Image, ImageSlot, Read, ReadSlot, ReadWrite, SampledSlot, SamplerSlot, Slot,
     StorageSlot, UniformSlot, WithTail, Write, WriteSlot,
