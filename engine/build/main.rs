@@ -45,7 +45,10 @@ fn run() -> Result<(), Problems> {
     make(&package, &sources, &out)?;
 
     if let Some(folder) = env::var_os(PREBUILT_OUT).filter(|folder| !folder.is_empty()) {
-        prebuilt::copy(&out, Path::new(&folder)).map_err(|problem| vec![problem])?;
+        let folder = Path::new(&folder);
+        prebuilt::copy(&out, folder).map_err(|problem| vec![problem])?;
+        // Removed between two builds, it is made again.
+        println!("cargo::rerun-if-changed={}", folder.join(prebuilt::MANIFEST).display());
     }
     Ok(())
 }

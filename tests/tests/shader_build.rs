@@ -246,16 +246,18 @@ fn strings_of_printf_stay() {
 }
 
 #[test]
-fn specialization_constants_have_their_defaults() {
+fn specialization_constants_have_types_and_defaults() {
     let text = format!(
         "{HEAD}layout(local_size_x_id = 0, local_size_y = 2) in; layout(local_size_x = 16) in;
+         layout(constant_id = 7) const bool EXACT = true;
          layout(constant_id = 1) const uint COUNT = 3u;
          layout(set = 0, binding = 0, scalar) buffer Counts {{ uint counts[COUNT]; uint last; }};
-         void main() {{ counts[gl_LocalInvocationID.x] = COUNT; last = 1u; }}"
+         void main() {{ counts[gl_LocalInvocationID.x] = COUNT; last = EXACT ? 1u : 0u; }}"
     );
     let (shader, blocks) = reflect("a.comp", Stage::Compute, &text);
     assert_eq!(shader.workgroup, [16, 2, 1]);
     assert_eq!(blocks.by_name["Counts"].size, 16);
+    assert_eq!(shader.constants, [(1, "COUNT".into(), "u32"), (7, "EXACT".into(), "bool")]);
 }
 
 #[test]

@@ -32,6 +32,8 @@ pub struct Shader {
     pub inputs: Vec<Interface>,
     /// Of fragment shaders, by location.
     pub outputs: Vec<Interface>,
+    /// Specialization constants: identifier, name, Rust type; by identifier.
+    pub constants: Vec<(u32, String, &'static str)>,
     /// Zeros where it is no compute shader.
     pub workgroup: [u32; 3],
     /// Those that not every device has.
@@ -102,6 +104,7 @@ pub fn reflect(path: &str, stage: Stage, spirv: &[u32], blocks: &mut Blocks) -> 
         push: None,
         inputs: Vec::new(),
         outputs: Vec::new(),
+        constants: Vec::new(),
         workgroup: workgroup(&entry),
         capabilities: words::capabilities(spirv),
     };
@@ -115,6 +118,7 @@ pub fn reflect(path: &str, stage: Stage, spirv: &[u32], blocks: &mut Blocks) -> 
     shader.bindings.sort_by_key(|binding| binding.place);
     shader.inputs.sort_by_key(|input| input.location);
     shader.outputs.sort_by_key(|output| output.location);
+    shader.constants.sort();
     problems.extend(shared_places(&shader.bindings));
     if problems.is_empty() { Ok(shader) } else { Err(problems) }
 }
@@ -187,6 +191,17 @@ fn add_variable(shader: &mut Shader, variable: &Variable, blocks: &mut Blocks) -
         }
         Variable::Output { name, location, ty } if shader.stage == Stage::Fragment => {
             shader.outputs.push(interface("output", name, location.loc(), ty)?);
+        }
+        // One without a name is a size of the workgroup (`local_size_x_id`).
+        Variable::SpecConstant { name: Some(name), spec_id, ty } => {
+            let ty = match ty {
+                Type::Scalar(ScalarType::Boolean) => "bool",
+                Type::Scalar(ScalarType::Float { bits: 32 }) => "f32",
+                Type::Scalar(ScalarType::Integer { bits: 32, is_signed: true }) => "i32",
+                Type::Scalar(ScalarType::Integer { bits: 32, is_signed: false }) => "u32",
+                other => return Err(format!("constant {name}: a {other} cannot be specialized")),
+            };
+            shader.constants.push((*spec_id, name.clone(), ty));
         }
         Variable::Input { .. } | Variable::Output { .. } | Variable::SpecConstant { .. } => {}
     }

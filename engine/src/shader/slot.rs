@@ -224,3 +224,41 @@ impl fmt::Debug for ColorSlot {
         write!(f, "{} of {}", self.output.name, self.shader.file)
     }
 }
+
+/// Typed name of a specialization constant of a `bool`, `i32`, `u32` or `f32`.
+pub struct ConstantSlot<T> {
+    id: u32,
+    shader: &'static Shader,
+    value: PhantomData<fn(T)>,
+}
+
+impl<T> ConstantSlot<T> {
+    /// A slot of `shader`; for generated code.
+    pub const fn new(id: u32, shader: &'static Shader) -> Self {
+        Self { id, shader, value: PhantomData }
+    }
+
+    /// `layout(constant_id = …)`.
+    pub const fn id(&self) -> u32 {
+        self.id
+    }
+
+    /// The shader whose slot it is.
+    pub const fn shader(&self) -> &'static Shader {
+        self.shader
+    }
+}
+
+impl<T> Clone for ConstantSlot<T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for ConstantSlot<T> {}
+
+impl<T> fmt::Debug for ConstantSlot<T> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "constant {} of {}", self.id, self.shader.file)
+    }
+}
