@@ -1,12 +1,15 @@
-//! Turns `../shaders_glsl/` into SPIR-V and Rust: see `docs` of `shadowgraph::shader`.
+//! Turns `../shaders_glsl/` into SPIR-V and Rust: see the documentation of `shadowgraph::shader`.
 //!
 //! With the feature `compile-shaders`, shaders are compiled and reflected here. Without it, the files that a build
 //! with it left in `prebuilt/` are used: a dependant needs no C++ tool chain.
 
+#[cfg_attr(not(feature = "compile-shaders"), allow(dead_code))]
 mod files;
+#[cfg_attr(feature = "compile-shaders", allow(dead_code))]
 mod prebuilt;
 #[cfg(feature = "compile-shaders")]
 mod shaders;
+#[cfg_attr(not(feature = "compile-shaders"), allow(dead_code))]
 mod source;
 
 use std::env;
@@ -42,7 +45,10 @@ fn run() -> Result<(), Problems> {
     make(&package, &sources, &out)?;
 
     if let Some(folder) = env::var_os(PREBUILT_OUT).filter(|folder| !folder.is_empty()) {
-        prebuilt::copy(&out, Path::new(&folder)).map_err(|problem| vec![problem])?;
+        let folder = Path::new(&folder);
+        prebuilt::copy(&out, folder).map_err(|problem| vec![problem])?;
+        // Removed between two builds, it is made again.
+        println!("cargo::rerun-if-changed={}", folder.join(prebuilt::MANIFEST).display());
     }
     Ok(())
 }

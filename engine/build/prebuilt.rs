@@ -29,7 +29,6 @@ pub fn copy(from: &Path, to: &Path) -> Result<(), String> {
 }
 
 /// Puts a prebuilt set in place of compilation. Where `sources` is there as well, it must be what the set was made of.
-#[cfg_attr(feature = "compile-shaders", allow(dead_code))]
 pub fn restore(prebuilt: &Path, sources: &Path, out: &Path) -> Result<(), Vec<String>> {
     let Ok(manifest) = std::fs::read_to_string(prebuilt.join(MANIFEST)) else {
         return Err(vec![if sources.is_dir() {

@@ -150,13 +150,7 @@ impl Blocks {
                 Ok(Type::Array(Box::new(element), length))
             }
             Reflected::Struct(ty) => self.add_struct(ty, ty.members.len(), None, file),
-            Reflected::DevicePointer(pointer) => {
-                if let Reflected::Struct(ty) = &*pointer.pointee_ty {
-                    self.add(ty, file)?;
-                }
-                Ok(Type::Scalar(ADDRESS))
-            }
-            Reflected::DeviceAddress(_) => Ok(Type::Scalar(ADDRESS)),
+            Reflected::DevicePointer(_) | Reflected::DeviceAddress(_) => Ok(Type::Scalar(ADDRESS)),
             other => Err(format!("{place}: a {other} cannot be in a block")),
         }
     }
@@ -223,8 +217,16 @@ impl Type {
         match self {
             Self::Scalar(scalar) => scalar.glsl.into(),
             Self::Vector(scalar, length) => format!("{}vec{length}", scalar.prefix),
+            Self::Matrix(scalar, columns, rows) if columns == rows => format!("{}mat{columns}", scalar.prefix),
             Self::Matrix(scalar, columns, rows) => format!("{}mat{columns}x{rows}", scalar.prefix),
-            Self::Array(element, length) => format!("{}[{length}]", element.glsl()),
+            Self::Array(element, length) => {
+                // GLSL puts the outer length first.
+                let (inner, lengths) = match element.glsl().split_once('[') {
+                    Some((inner, lengths)) => (inner.to_owned(), format!("[{lengths}")),
+                    None => (element.glsl(), String::new()),
+                };
+                format!("{inner}[{length}]{lengths}")
+            }
             Self::Struct(name, ..) => name.clone(),
         }
     }

@@ -1,7 +1,5 @@
 //! GLSL to SPIR-V, with names kept for reflection.
 
-use std::cell::RefCell;
-use std::collections::BTreeSet;
 use std::num::NonZero;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
@@ -62,7 +60,6 @@ fn compile(compiler: &Compiler, tree: &Tree, path: &str, stage: Stage) -> Result
         Error::CompilationError(_, text) => messages(path, &text),
         other => vec![format!("{ROOT}/{path}: {other}")],
     };
-    let included = RefCell::new(BTreeSet::new());
     let mut options = CompileOptions::new().map_err(failed)?;
     options.set_source_language(SourceLanguage::GLSL);
     options.set_target_env(TargetEnv::Vulkan, EnvVersion::Vulkan1_3 as u32);
@@ -75,10 +72,7 @@ fn compile(compiler: &Compiler, tree: &Tree, path: &str, stage: Stage) -> Result
         let Some(found) = tree.resolve(name, from) else {
             return Err(format!("no file {name:?} below {ROOT}/ or next to {ROOT}/{from}"));
         };
-        let text = &tree.files[found].text;
-        let again = !included.borrow_mut().insert(found) && text.lines().any(|line| line.trim() == "#pragma once");
-        let content = if again { String::new() } else { text.clone() };
-        Ok(ResolvedInclude { resolved_name: format!("{ROOT}/{found}"), content })
+        Ok(ResolvedInclude { resolved_name: format!("{ROOT}/{found}"), content: tree.files[found].text.clone() })
     });
     let artifact = compiler
         .compile_into_spirv(&tree.files[path].text, kind, &format!("{ROOT}/{path}"), "main", Some(&options))

@@ -78,8 +78,9 @@ fn place<'a>(root: &mut Module<'a>, shader: &'a Shader) -> Result<String, String
 fn check_names(shader: &Shader) -> Vec<String> {
     let bindings = shader.bindings.iter().map(|binding| &binding.name);
     let outputs = shader.outputs.iter().map(|output| &output.name);
+    let constants = shader.constants.iter().map(|(_, name, _)| name);
     let mut taken = BTreeSet::from(["SHADER".into(), "BINDINGS".into(), "OUTPUTS".into()]);
-    let doubles = bindings.chain(outputs).filter(|slot| !taken.insert(name::constant(slot)));
+    let doubles = bindings.chain(outputs).chain(constants).filter(|slot| !taken.insert(name::constant(slot)));
     doubles
         .map(|slot| {
             format!("{ROOT}/{}: {slot}: another slot is called {}; rename it", shader.path, name::constant(slot))
@@ -116,7 +117,7 @@ fn write_block(code: &mut String, block_name: &str, block: &Block) {
     #[derive(Clone, Copy, Debug, PartialEq, ::bytemuck::Pod, ::bytemuck::Zeroable)]
     pub struct {name} {{
 {fields}    }}
-    impl Default for {name} {{
+    impl ::core::default::Default for {name} {{
         fn default() -> Self {{
             ::bytemuck::Zeroable::zeroed()
         }}
@@ -202,6 +203,14 @@ fn write_shader(code: &mut String, shader: &Shader) {
             code,
             "    pub const {}: crate::shader::ColorSlot = crate::shader::ColorSlot::new(OUTPUTS[{index}], &SHADER);",
             name::constant(&output.name)
+        );
+    }
+    for (id, name, ty) in &shader.constants {
+        let _ = writeln!(code, "    /// `{name}`: specialization constant {id}.");
+        let _ = writeln!(
+            code,
+            "    pub const {}: crate::shader::ConstantSlot<{ty}> = crate::shader::ConstantSlot::<{ty}>::new({id}, &SHADER);",
+            name::constant(name)
         );
     }
     if let Some((_, content, _)) = &shader.push {

@@ -1,12 +1,12 @@
 //! Compiles and reflects every shader, and writes the Rust that names them.
 
-mod block;
-mod compile;
-mod generate;
-mod name;
-mod reflect;
-mod scalar;
-mod words;
+pub mod block;
+pub mod compile;
+pub mod generate;
+pub mod name;
+pub mod reflect;
+pub mod scalar;
+pub mod words;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

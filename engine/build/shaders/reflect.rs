@@ -6,7 +6,7 @@ use spirq::ReflectConfig;
 use spirq::constant::ConstantValue;
 use spirq::entry_point::EntryPoint;
 use spirq::spirv::{Dim, ExecutionMode};
-use spirq::ty::{AccessType, DescriptorType, ScalarType, Type};
+use spirq::ty::{AccessType, DescriptorType, ScalarType, StorageClass, StructType, Type};
 use spirq::var::Variable;
 
 use super::block::{Blocks, Content};
@@ -32,6 +32,8 @@ pub struct Shader {
     pub inputs: Vec<Interface>,
     /// Of fragment shaders, by location.
     pub outputs: Vec<Interface>,
+    /// Specialization constants: identifier, name, Rust type; by identifier.
+    pub constants: Vec<(u32, String, &'static str)>,
     /// Zeros where it is no compute shader.
     pub workgroup: [u32; 3],
     /// Those that not every device has.
@@ -94,7 +96,7 @@ pub struct Interface {
 
 /// Reflects one shader and takes its blocks in.
 pub fn reflect(path: &str, stage: Stage, spirv: &[u32], blocks: &mut Blocks) -> Result<Shader, Vec<String>> {
-    let entry = entry_point(spirv).map_err(|problem| vec![problem])?;
+    let (entry, pointees) = entry_point(spirv).map_err(|problem| vec![problem])?;
     let mut shader = Shader {
         path: path.to_owned(),
         stage,
@@ -102,6 +104,7 @@ pub fn reflect(path: &str, stage: Stage, spirv: &[u32], blocks: &mut Blocks) -> 
         push: None,
         inputs: Vec::new(),
         outputs: Vec::new(),
+        constants: Vec::new(),
         workgroup: workgroup(&entry),
         capabilities: words::capabilities(spirv),
     };
@@ -109,21 +112,40 @@ pub fn reflect(path: &str, stage: Stage, spirv: &[u32], blocks: &mut Blocks) -> 
     for variable in &entry.vars {
         problems.extend(add_variable(&mut shader, variable, blocks).err());
     }
+    for block in &pointees {
+        problems.extend(blocks.add(block, path).err());
+    }
     shader.bindings.sort_by_key(|binding| binding.place);
     shader.inputs.sort_by_key(|input| input.location);
     shader.outputs.sort_by_key(|output| output.location);
+    shader.constants.sort();
     problems.extend(shared_places(&shader.bindings));
     if problems.is_empty() { Ok(shader) } else { Err(problems) }
 }
 
-fn entry_point(spirv: &[u32]) -> Result<EntryPoint, String> {
+/// The entry point with its variables, and the blocks that `buffer_reference` pointers lead to.
+fn entry_point(spirv: &[u32]) -> Result<(EntryPoint, Vec<StructType>), String> {
+    let mut pointees = BTreeMap::new();
+    let mut types_are_new = true;
     // The optimiser has removed what the shader does not use, so all variables of the module are its own.
     let entries = ReflectConfig::new()
         .spv(spirv)
         .ref_all_rscs(true)
-        .reflect()
+        .reflect_inspect_by(|module, _| {
+            // Called for every instruction of every function; by then all types are there.
+            for (id, ty) in module.ty_reg.iter().take_while(|_| types_are_new) {
+                if let Type::DevicePointer(pointer) = ty
+                    && pointer.store_cls == StorageClass::PhysicalStorageBuffer
+                    && let Type::Struct(block) = &*pointer.pointee_ty
+                {
+                    pointees.insert(*id, block.clone());
+                }
+            }
+            types_are_new = false;
+        })
         .map_err(|error| format!("cannot be reflected: {error}"))?;
-    entries.into_iter().next().ok_or_else(|| "has no entry point".into())
+    let entry = entries.into_iter().next().ok_or("has no entry point")?;
+    Ok((entry, pointees.into_values().collect()))
 }
 
 fn workgroup(entry: &EntryPoint) -> [u32; 3] {
@@ -169,6 +191,17 @@ fn add_variable(shader: &mut Shader, variable: &Variable, blocks: &mut Blocks) -
         }
         Variable::Output { name, location, ty } if shader.stage == Stage::Fragment => {
             shader.outputs.push(interface("output", name, location.loc(), ty)?);
+        }
+        // One without a name is a size of the workgroup (`local_size_x_id`).
+        Variable::SpecConstant { name: Some(name), spec_id, ty } => {
+            let ty = match ty {
+                Type::Scalar(ScalarType::Boolean) => "bool",
+                Type::Scalar(ScalarType::Float { bits: 32 }) => "f32",
+                Type::Scalar(ScalarType::Integer { bits: 32, is_signed: true }) => "i32",
+                Type::Scalar(ScalarType::Integer { bits: 32, is_signed: false }) => "u32",
+                other => return Err(format!("constant {name}: a {other} cannot be specialized")),
+            };
+            shader.constants.push((*spec_id, name.clone(), ty));
         }
         Variable::Input { .. } | Variable::Output { .. } | Variable::SpecConstant { .. } => {}
     }

@@ -147,7 +147,12 @@ impl<'f> Graph<'f> {
     pub fn fill(&mut self, name: impl Into<String>, buffer: BufferHandle, value: u32) -> BufferHandle {
         let pass = self.next_pass();
         let (used, next) = self.written(pass, "destination", buffer, false, Access::transfer_write());
-        self.push_pass(name.into(), Queue::Transfer, vec![used], Work::Fill { resource: next.resource, range: next.range, value });
+        self.push_pass(
+            name.into(),
+            Queue::Transfer,
+            vec![used],
+            Work::Fill { resource: next.resource, range: next.range, value },
+        );
         next
     }
 
@@ -155,7 +160,12 @@ impl<'f> Graph<'f> {
     pub fn clear(&mut self, name: impl Into<String>, image: ImageHandle, value: vk::ClearColorValue) -> ImageHandle {
         let pass = self.next_pass();
         let (used, next) = self.written(pass, "destination", image, false, Access::transfer_write());
-        self.push_pass(name.into(), Queue::Graphics, vec![used], Work::Clear { resource: next.resource, range: next.range, value });
+        self.push_pass(
+            name.into(),
+            Queue::Graphics,
+            vec![used],
+            Work::Clear { resource: next.resource, range: next.range, value },
+        );
         next
     }
 
@@ -229,7 +239,13 @@ impl<'f> Graph<'f> {
         self.description.roots.push(Root { name, version: handle.version(), read_back: false });
     }
 
-    fn new_image(&mut self, name: String, shape: ImageShape, origin: Origin, external: Option<External>) -> ImageHandle {
+    fn new_image(
+        &mut self,
+        name: String,
+        shape: ImageShape,
+        origin: Origin,
+        external: Option<External>,
+    ) -> ImageHandle {
         let range = Range::whole_image(&shape);
         let (resource, version) = self.new_resource(name, Shape::Image(shape), range, origin, external);
         ImageHandle { graph: self.id, resource, version, shape, range }

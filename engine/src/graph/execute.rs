@@ -10,8 +10,8 @@ use super::pass::{Attachment, Attachments, Bound, DrawFn, Groups, What, Work};
 use super::plan::{self, Barriers, DeviceModel, Plan, Usage, Work as Step};
 use super::record::{self, Batch, Ready, Recorder};
 use crate::gpu::{
-    Buffer, BufferInfo, Commands, Descriptor, DescriptorArena, Feature, FormatInfo, Gpu, Heap, Image, ImageInfo, Memory, QueryKind,
-    QueryPool, Requirements, ViewInfo,
+    Buffer, BufferInfo, Commands, Descriptor, DescriptorArena, Feature, FormatInfo, Gpu, Heap, Image, ImageInfo,
+    Memory, QueryKind, QueryPool, Requirements, ViewInfo,
 };
 use crate::shader::{Binding, BindingKind, Pipelines};
 use crate::{Error, Result};
@@ -383,13 +383,7 @@ impl DeviceModel for Gpu {
 }
 
 /// What a pass does.
-fn run(
-    device: &ash::Device,
-    commands: &Commands,
-    work: Work,
-    programs: &[Ready],
-    memory: &Resources,
-) -> Result<()> {
+fn run(device: &ash::Device, commands: &Commands, work: Work, programs: &[Ready], memory: &Resources) -> Result<()> {
     match work {
         Work::Compute { push, groups, .. } => {
             let Some(ready) = programs.first() else { return Ok(()) };
@@ -515,12 +509,8 @@ fn captured_layout(shape: &Shape, range: Range) -> (Shape, Vec<u64>, Vec<u64>, u
                 sizes.push(layer);
                 size += layer * u64::from(count);
             }
-            let captured = super::ImageShape {
-                extent: at_mip(mips[0]),
-                mips: mips[1] - mips[0],
-                layers: count,
-                ..*shape
-            };
+            let captured =
+                super::ImageShape { extent: at_mip(mips[0]), mips: mips[1] - mips[0], layers: count, ..*shape };
             (Shape::Image(captured), offsets, sizes, size)
         }
         (_, Range::Buffer([first, end])) => (Shape::Buffer { size: end - first }, Vec::new(), Vec::new(), end - first),
@@ -541,7 +531,9 @@ fn batch(barriers: &Barriers, memory: &Resources) -> Batch {
         );
     }
     for barrier in &barriers.images {
-        let (Some(image), Some(range)) = (memory.image(barrier.resource), subresources(barrier.range)) else { continue };
+        let (Some(image), Some(range)) = (memory.image(barrier.resource), subresources(barrier.range)) else {
+            continue;
+        };
         batch.images.push(
             vk::ImageMemoryBarrier2::default()
                 .src_stage_mask(barrier.from.stages)

@@ -156,12 +156,8 @@ impl Collected {
         };
         let used = graph.used(binding.name, handle, access);
         self.uses.push(used);
-        let what = What::Resource {
-            resource: handle.resource(),
-            range: handle.range(),
-            layout: access.layout,
-            sampler,
-        };
+        let what =
+            What::Resource { resource: handle.resource(), range: handle.range(), layout: access.layout, sampler };
         self.bound.push(Bound { binding, what });
     }
 
@@ -373,8 +369,7 @@ impl<'g, 'f> RasterPass<'g, 'f> {
 
     /// Tests and writes depth.
     pub fn depth(&mut self, handle: ImageHandle, load: Load<f32>) -> ImageHandle {
-        let clear =
-            |depth| vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth, stencil: 0 } };
+        let clear = |depth| vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth, stencil: 0 } };
         let (load, clear) = map_load(load, clear);
         let access = Access::depth_attachment_write();
         let reads = load == vk::AttachmentLoadOp::LOAD;
@@ -440,8 +435,7 @@ impl<'g, 'f> RasterPass<'g, 'f> {
             self.targets.color.resize(location + 1, vk::Format::UNDEFINED);
         }
         self.targets.color[location] = handle.shape.format;
-        self.attachments.color[location] =
-            Some(attachment(&handle, access, load, vk::AttachmentStoreOp::STORE, clear));
+        self.attachments.color[location] = Some(attachment(&handle, access, load, vk::AttachmentStoreOp::STORE, clear));
         let (used, next) = self.graph.written(self.collected.pass, output.name, handle, reads, access);
         self.collected.uses.push(used);
         next

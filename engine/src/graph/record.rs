@@ -172,12 +172,8 @@ pub(super) fn begin_rendering(
     if let Some(stencil) = stencil {
         info = info.stencil_attachment(stencil);
     }
-    let viewport = vk::Viewport {
-        width: size[0] as f32,
-        height: size[1] as f32,
-        max_depth: 1.0,
-        ..vk::Viewport::default()
-    };
+    let viewport =
+        vk::Viewport { width: size[0] as f32, height: size[1] as f32, max_depth: 1.0, ..vk::Viewport::default() };
     // SAFETY: see the module.
     unsafe {
         device.cmd_begin_rendering(commands.raw(), &info);
@@ -250,7 +246,13 @@ pub(super) fn copy_image(
     unsafe { device.cmd_copy_image_to_buffer(commands.raw(), image.raw(), layout, to.raw(), regions) }
 }
 
-pub(super) fn copy_buffer(device: &ash::Device, commands: &Commands, from: &Buffer, to: &Buffer, region: vk::BufferCopy) {
+pub(super) fn copy_buffer(
+    device: &ash::Device,
+    commands: &Commands,
+    from: &Buffer,
+    to: &Buffer,
+    region: vk::BufferCopy,
+) {
     // SAFETY: see the module.
     unsafe { device.cmd_copy_buffer(commands.raw(), from.raw(), to.raw(), &[region]) }
 }

@@ -142,7 +142,11 @@ impl GpuScene {
         recorder.index_buffer(&self.indices);
         recorder.vertex_buffers(&[&self.positions, &self.alpha_attributes, &self.shading_attributes]);
         for draw in draws {
-            let cull = if draw.double_sided || faces == Faces::Both { vk::CullModeFlags::NONE } else { vk::CullModeFlags::BACK };
+            let cull = if draw.double_sided || faces == Faces::Both {
+                vk::CullModeFlags::NONE
+            } else {
+                vk::CullModeFlags::BACK
+            };
             recorder.faces(cull, draw.mirrored);
             recorder.material(&self.material_sets[draw.material]);
             recorder.draw_indexed(draw.indices.clone(), draw.vertex_offset, draw.instances.clone());

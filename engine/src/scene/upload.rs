@@ -9,7 +9,10 @@ use super::draw::{Draw, DrawClass, DrawList};
 use super::{AlphaMode, Filter, Material, Primitive, Scene, Texture, TextureSlot, Wrap};
 use crate::Result;
 use crate::geometry::Aabb;
-use crate::gpu::{Buffer, BufferInfo, Descriptor, DescriptorSet, Gpu, Image, ImageInfo, Memory, Sampler, SamplerInfo, SetLayout, Uploader};
+use crate::gpu::{
+    Buffer, BufferInfo, Descriptor, DescriptorSet, Gpu, Image, ImageInfo, Memory, Sampler, SamplerInfo, SetLayout,
+    Uploader,
+};
 use crate::shader::generated::{blocks, surface};
 
 /// A scene in device memory. Dereferences to the scene itself.

@@ -140,7 +140,7 @@ pub struct Shader {
     pub inputs: &'static [Input],
     /// Fragment outputs, by location; other stages have none here.
     pub outputs: &'static [Output],
-    /// Workgroup size; `[0; 3]` where it is no compute shader.
+    /// Workgroup size, before specialization; `[0; 3]` where it is no compute shader.
     pub workgroup: [u32; 3],
     /// SPIR-V capabilities that Vulkan 1.3 does not promise of every device, by their SPIR-V names, sorted.
     pub capabilities: &'static [&'static str],

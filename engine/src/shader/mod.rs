@@ -4,8 +4,8 @@
 //! with the dot turned into an underscore (`depth.vert` is `depth_vert`). Such a module has
 //!
 //! - `SHADER`, the [`Shader`];
-//! - a typed slot a binding and a fragment output, in capitals: `shadowMap` is `SHADOW_MAP`. Bindings that the
-//!   compiler finds unused are no slots;
+//! - a typed slot a binding, a fragment output and a specialization constant, in capitals: `shadowMap` is
+//!   `SHADOW_MAP`. Bindings that the compiler finds unused are no slots;
 //! - `Push`, the type of its push constants, where it has some.
 //!
 //! Every block and struct is a plain struct of [`generated::blocks`], with the shader's offsets: `vec2` and `vec3` are
@@ -20,8 +20,8 @@ mod slot;
 pub use binding::{Binding, BindingKind, ImageType, Input, Output, OutputScalar, Push, Shader, ShaderAccess, Stage};
 pub use program::{Pipelines, Program, Targets};
 pub use slot::{
-    Access, Buffer, ColorSlot, Image, ImageSlot, Read, ReadSlot, ReadWrite, SampledSlot, SamplerSlot, Slot,
-    StorageSlot, UniformSlot, WithTail, Write, WriteSlot,
+    Access, Buffer, ColorSlot, ConstantSlot, Image, ImageSlot, Read, ReadSlot, ReadWrite, SampledSlot, SamplerSlot,
+    Slot, StorageSlot, UniformSlot, WithTail, Write, WriteSlot,
 };
 
 /// Modules generated from `shaders_glsl/`.

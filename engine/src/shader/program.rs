@@ -8,7 +8,10 @@ use ash::vk;
 
 use super::Shader;
 use crate::Result;
-use crate::gpu::{ColorTarget, Constant, DepthState, Gpu, GraphicsPipelineInfo, Pipeline, SetLayout, StencilState, VertexBuffer, blend};
+use crate::gpu::{
+    ColorTarget, Constant, DepthState, Gpu, GraphicsPipelineInfo, Pipeline, SetLayout, StencilState, VertexBuffer,
+    blend,
+};
 
 /// Shaders and fixed state of draws.
 #[derive(Clone)]
@@ -125,7 +128,8 @@ impl Pipelines {
     /// The pipeline of a program for a pass's attachments.
     pub fn graphics(&self, gpu: &Gpu, program: &Program, targets: &Targets) -> Result<Pipeline> {
         self.get_or_make(key(program, targets), || {
-            let color: Vec<_> = targets.color.iter().map(|&format| ColorTarget { format, blend: program.blend }).collect();
+            let color: Vec<_> =
+                targets.color.iter().map(|&format| ColorTarget { format, blend: program.blend }).collect();
             let depth = targets.depth.map(|format| {
                 let (compare, write) = program.depth.unwrap_or((vk::CompareOp::ALWAYS, false));
                 DepthState { format, compare, write }
@@ -192,12 +196,17 @@ fn key(program: &Program, targets: &Targets) -> Key {
     ]);
     if let Some((front, back)) = program.stencil {
         for s in [front, back] {
-            key.extend([s.fail_op.as_raw(), s.pass_op.as_raw(), s.depth_fail_op.as_raw(), s.compare_op.as_raw()].map(|v| v as u64));
+            key.extend(
+                [s.fail_op.as_raw(), s.pass_op.as_raw(), s.depth_fail_op.as_raw(), s.compare_op.as_raw()]
+                    .map(|v| v as u64),
+            );
             key.extend([s.compare_mask, s.write_mask].map(u64::from));
         }
     }
     push_constants(&mut key, &program.constants);
-    key.extend(program.set_layouts.iter().flat_map(|(set, layout)| [u64::from(*set), vk::Handle::as_raw(layout.raw())]));
+    key.extend(
+        program.set_layouts.iter().flat_map(|(set, layout)| [u64::from(*set), vk::Handle::as_raw(layout.raw())]),
+    );
     key
 }
 

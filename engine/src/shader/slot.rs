@@ -1,4 +1,47 @@
 //! Typed names of what a shader binds: using one for what it is not does not compile.
+//!
+//! ```
+//! use shadowgraph::shader::{Buffer, ImageSlot, Read, ReadSlot, ReadWrite, SampledSlot, Slot, StorageSlot, UniformSlot, Write, WriteSlot};
+//!
+//! fn read(_: impl ReadSlot) {}
+//! fn write(_: impl WriteSlot) {}
+//! fn buffer_of_words(_: impl Slot<Resource = Buffer<u32>>) {}
+//!
+//! fn fits(a: SampledSlot, b: ImageSlot<Write>, c: StorageSlot<u32, Read>, d: StorageSlot<u32, ReadWrite>, e: UniformSlot<f32>) {
+//!     read(a);
+//!     write(b);
+//!     read(c);
+//!     write(d);
+//!     read(e);
+//!     buffer_of_words(c);
+//! }
+//! ```
+//!
+//! A slot that the shader writes through is not read by a pass, nor the other way round; contents count:
+//!
+//! ```compile_fail,E0277
+//! # use shadowgraph::shader::{ImageSlot, ReadSlot, ReadWrite};
+//! # fn read(_: impl ReadSlot) {}
+//! fn misuse(slot: ImageSlot<ReadWrite>) {
+//!     read(slot);
+//! }
+//! ```
+//!
+//! ```compile_fail,E0277
+//! # use shadowgraph::shader::{SampledSlot, WriteSlot};
+//! # fn write(_: impl WriteSlot) {}
+//! fn misuse(slot: SampledSlot) {
+//!     write(slot);
+//! }
+//! ```
+//!
+//! ```compile_fail,E0271
+//! # use shadowgraph::shader::{Buffer, Read, Slot, StorageSlot};
+//! # fn buffer_of_words(_: impl Slot<Resource = Buffer<u32>>) {}
+//! fn misuse(slot: StorageSlot<f32, Read>) {
+//!     buffer_of_words(slot);
+//! }
+//! ```
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -179,5 +222,43 @@ impl ColorSlot {
 impl fmt::Debug for ColorSlot {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(f, "{} of {}", self.output.name, self.shader.file)
+    }
+}
+
+/// Typed name of a specialization constant of a `bool`, `i32`, `u32` or `f32`.
+pub struct ConstantSlot<T> {
+    id: u32,
+    shader: &'static Shader,
+    value: PhantomData<fn(T)>,
+}
+
+impl<T> ConstantSlot<T> {
+    /// A slot of `shader`; for generated code.
+    pub const fn new(id: u32, shader: &'static Shader) -> Self {
+        Self { id, shader, value: PhantomData }
+    }
+
+    /// `layout(constant_id = …)`.
+    pub const fn id(&self) -> u32 {
+        self.id
+    }
+
+    /// The shader whose slot it is.
+    pub const fn shader(&self) -> &'static Shader {
+        self.shader
+    }
+}
+
+impl<T> Clone for ConstantSlot<T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for ConstantSlot<T> {}
+
+impl<T> fmt::Debug for ConstantSlot<T> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "constant {} of {}", self.id, self.shader.file)
     }
 }

@@ -14,11 +14,19 @@ pub struct Technique {
 
 /// Every technique of this crate, by family and name.
 pub static TECHNIQUES: &[Technique] = &[
-    Technique { family: "shading", name: "lighting", summary: "deferred shading by punctual lights and a constant environment" },
+    Technique {
+        family: "shading",
+        name: "lighting",
+        summary: "deferred shading by punctual lights and a constant environment",
+    },
     Technique { family: "shadow", name: "cascaded", summary: "cascaded shadow maps of a directional light" },
     Technique { family: "shadow", name: "spot", summary: "a shadow map for each spot light" },
     Technique { family: "surface", name: "depth", summary: "depth pre-pass" },
     Technique { family: "surface", name: "gbuffer", summary: "geometry and material of the first opaque surface" },
     Technique { family: "surface", name: "position", summary: "world position and distance from depth" },
-    Technique { family: "transparency", name: "sorted", summary: "blended materials, forward-shaded, sorted by object" },
+    Technique {
+        family: "transparency",
+        name: "sorted",
+        summary: "blended materials, forward-shaded, sorted by object",
+    },
 ];

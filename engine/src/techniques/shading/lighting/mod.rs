@@ -3,8 +3,8 @@
 use ash::vk;
 use glam::Vec3;
 
-use crate::graph::{Data, Graph, ImageHandle, ImageShape};
 use crate::gpu::SamplerInfo;
+use crate::graph::{Data, Graph, ImageHandle, ImageShape};
 use crate::scene::{GpuScene, View, ViewSet};
 use crate::shader::generated::{blocks, shading::lighting::lighting_comp as shader};
 

@@ -19,14 +19,7 @@ pub struct Fit {
 
 /// Fits a map of `resolution`² texels around the part of a camera's frustum between two distances, with `border`
 /// texels to spare on each side, deep enough for all of the scene.
-pub fn fit(
-    camera: &View,
-    distances: [f32; 2],
-    direction: Vec3,
-    scene: &Aabb,
-    resolution: u32,
-    border: f32,
-) -> Fit {
+pub fn fit(camera: &View, distances: [f32; 2], direction: Vec3, scene: &Aabb, resolution: u32, border: f32) -> Fit {
     // 1. A sphere around the slice: its radius depends on the lens and the distances alone.
     let (center, radius) = bounding_sphere(camera, distances);
     let radius = round_up(radius);

@@ -79,10 +79,8 @@ impl Spot {
             .collect();
         let maps = graph.join(drawn)?;
 
-        let head = blocks::SpotMaps {
-            spot_taps: self.filter.taps() as i32,
-            spot_map_texel: 1.0 / self.resolution as f32,
-        };
+        let head =
+            blocks::SpotMaps { spot_taps: self.filter.taps() as i32, spot_map_texel: 1.0 / self.resolution as f32 };
         let parameters = graph.data_with_tail(&head, &records);
         let camera = ViewSet::from(*receivers.view).record(graph);
         let mut written = Vec::with_capacity(masks.len());

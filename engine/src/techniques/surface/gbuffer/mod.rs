@@ -47,13 +47,7 @@ impl GBuffer {
     }
 
     /// Draws what is exactly at `depth`, which a depth pre-pass of the same view made.
-    pub fn record<'f>(
-        &self,
-        graph: &mut Graph<'f>,
-        scene: &'f GpuScene,
-        view: &View,
-        depth: ImageHandle,
-    ) -> Surfaces {
+    pub fn record<'f>(&self, graph: &mut Graph<'f>, scene: &'f GpuScene, view: &View, depth: ImageHandle) -> Surfaces {
         let (albedo, normal, material, emissive) = match self.precision {
             Precision::Compact => (
                 vk::Format::R8G8B8A8_SRGB,

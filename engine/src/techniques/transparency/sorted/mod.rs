@@ -69,15 +69,21 @@ impl Sorted {
             Some((data, map)) => {
                 pass.constant(fragment::CASCADES, data).sample(fragment::CASCADE_MAP, map, lights.sampler)
             }
-            None => pass
-                .constant(fragment::CASCADES, no_cascades)
-                .texture(fragment::CASCADE_MAP, &scene.no_depth, lights.sampler),
+            None => pass.constant(fragment::CASCADES, no_cascades).texture(
+                fragment::CASCADE_MAP,
+                &scene.no_depth,
+                lights.sampler,
+            ),
         };
         match lights.spots {
-            Some((data, map)) => pass.constant(fragment::SPOT_MAPS, data).sample(fragment::SPOT_MAP, map, lights.sampler),
-            None => {
-                pass.constant(fragment::SPOT_MAPS, no_spots).texture(fragment::SPOT_MAP, &scene.no_depth, lights.sampler)
+            Some((data, map)) => {
+                pass.constant(fragment::SPOT_MAPS, data).sample(fragment::SPOT_MAP, map, lights.sampler)
             }
+            None => pass.constant(fragment::SPOT_MAPS, no_spots).texture(
+                fragment::SPOT_MAP,
+                &scene.no_depth,
+                lights.sampler,
+            ),
         };
         let color = pass.color(fragment::COLOR, color, Load::Keep);
         pass.draw(move |recorder| {
