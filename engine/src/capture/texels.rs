@@ -60,7 +60,7 @@ fn planes<const N: usize, T: Copy>(
     components: usize,
     read: impl Fn([u8; N]) -> T,
 ) -> Option<Vec<Vec<T>>> {
-    if bytes.len() % (N * components) != 0 {
+    if !bytes.len().is_multiple_of(N * components) {
         return None;
     }
     let (scalars, _) = bytes.as_chunks::<N>();
