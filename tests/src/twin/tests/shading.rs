@@ -155,7 +155,7 @@ fn the_environment_fit_is_near_the_integral() {
         }
     }
     println!("environment fit: at worst {worst:.4?} (off the integral, f0, roughness, N·V)");
-    assert!(worst.0 < 0.04, "{worst:?}");
+    assert!(worst.0 < 0.06, "{worst:?}");
     // A white surface under a white sky is white, however the light is split.
     for n_v in [0.0, 0.3, 1.0] {
         assert!((material(1.0, 0.0, 0.4).under_environment(n_v).x - 1.0).abs() < 1e-12);
