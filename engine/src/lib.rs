@@ -1,8 +1,11 @@
 //! Explicit Vulkan rendering with a render graph, made to answer visibility questions.
 #![deny(unsafe_code)]
 pub mod error;
+pub mod geometry;
 pub mod gpu;
+pub mod frame;
 pub mod graph;
 pub mod scene;
 pub mod shader;
+pub mod techniques;
 pub use error::{Error, Result};

@@ -2,6 +2,8 @@
 
 use glam::{Mat4, Vec3, Vec4};
 
+use crate::geometry::Aabb;
+
 /// Depth convention: reversed. 1 on the near plane, 0 at infinity.
 pub mod depth {
     use ash::vk;
@@ -63,6 +65,44 @@ impl Camera {
             eye.extend(1.0),
         );
         Self { name: "camera".into(), world_from_view, projection: Projection::Perspective { fov_y, near, far: None } }
+    }
+
+    /// A camera for a scene without one: it sees all of `bounds` from a corner, a little from above, in a picture of
+    /// `aspect` (width over height).
+    ///
+    /// The near plane follows the size of the scene, as units run from millimetres to thousands.
+    pub fn framing(bounds: Aabb, aspect: f32) -> Self {
+        const FOV_Y: f32 = 0.7;
+        // Room around the scene, as a factor on its distance.
+        const MARGIN: f32 = 1.04;
+        let scale = bounds.min.abs().max(bounds.max.abs()).max_element();
+        let radius = bounds.radius().max(scale * 1e-6).max(1e-6);
+        let back = Vec3::new(0.62, 0.42, 1.0).normalize();
+        let mut camera = Self::look_at(bounds.center() + back, bounds.center(), Vec3::Y, FOV_Y, 1.0);
+
+        // Every corner has to be within the pyramid of sight: it tells how far back the eye must be at least.
+        let axes = camera.world_from_view;
+        let tan_y = (FOV_Y * 0.5).tan();
+        let tan_x = tan_y * if aspect.is_finite() && aspect > 0.0 { aspect } else { 1.0 };
+        let needed = bounds.corners().map(|corner| {
+            let from_center = corner - bounds.center();
+            let x = from_center.dot(axes.x_axis.truncate()).abs();
+            let y = from_center.dot(axes.y_axis.truncate()).abs();
+            from_center.dot(back) + (x / tan_x).max(y / tan_y)
+        });
+        let distance = needed.into_iter().fold(radius * 0.5, f32::max) * MARGIN;
+        let eye = bounds.center() + back * distance;
+        camera.world_from_view.w_axis = eye.extend(1.0);
+        let near = Self::near_for(bounds, eye);
+        camera.projection = Projection::Perspective { fov_y: FOV_Y, near, far: None };
+        camera
+    }
+
+    /// A near plane for a scene of these bounds, seen from `eye`: as far as it can be without cutting into the box,
+    /// and from within, a small part of its size.
+    pub fn near_for(bounds: Aabb, eye: Vec3) -> f32 {
+        let distance = (eye.clamp(bounds.min, bounds.max) - eye).length();
+        (distance * 0.5).max(bounds.radius() * 1e-3).max(1e-6)
     }
 
     /// What a picture of `size` pixels sees. The vertical extent of the lens is kept, the horizontal one follows.
@@ -127,5 +167,36 @@ impl View {
     /// World-space position of the eye.
     pub fn eye(&self) -> Vec3 {
         self.world_from_view.w_axis.truncate()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn framing_sees_every_corner_at_any_scale() {
+        for scale in [1e-3, 1.0, 5e3] {
+            for size in [Vec3::ONE, Vec3::new(10.0, 0.1, 3.0), Vec3::new(0.0, 4.0, 0.0), Vec3::ZERO] {
+                for picture in [[1280, 720], [300, 900], [64, 64]] {
+                    let min = Vec3::new(3.0, -2.0, 7.0) * scale;
+                    let bounds = Aabb { min, max: min + size * scale };
+                    let camera = Camera::framing(bounds, picture[0] as f32 / picture[1] as f32);
+                    let clip = camera.view(picture).clip_from_world();
+                    for corner in bounds.corners() {
+                        let p = clip * corner.extend(1.0);
+                        let inside = p.x.abs() < p.w && p.y.abs() < p.w && p.z > 0.0 && p.z < p.w;
+                        assert!(inside, "{corner} at {p} of {bounds:?} in {picture:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn from_within_the_near_plane_is_a_part_of_the_size() {
+        let bounds = Aabb { min: Vec3::splat(-1.0), max: Vec3::ONE };
+        assert!((Camera::near_for(bounds, Vec3::ZERO) - bounds.radius() * 1e-3).abs() < 1e-9);
+        assert_eq!(Camera::near_for(bounds, Vec3::new(5.0, 0.0, 0.0)), 2.0);
     }
 }

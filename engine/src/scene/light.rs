@@ -49,3 +49,16 @@ pub enum LightKind {
         outer: f32,
     },
 }
+
+impl Light {
+    /// The sun that a scene without lights gets: 100,000 lux from above, behind the left shoulder of
+    /// [`Camera::framing`](crate::scene::Camera::framing).
+    pub fn default_sun() -> Self {
+        let direction = Vec3::new(0.35, -0.8, -0.5).normalize();
+        Self {
+            name: "sun".into(),
+            color: Vec3::ONE,
+            kind: LightKind::Directional { direction, illuminance: 100_000.0 },
+        }
+    }
+}

@@ -1,17 +1,31 @@
 //! Scenes: what a frame is made of, on the host. Metres, radians, linear Rec. 709 radiometry in glTF's units,
 //! y up, right-handed.
 
+mod bounds;
+pub mod builtin;
 mod camera;
+mod depth_only;
+mod draw;
+mod gltf;
 mod light;
+mod light_buffer;
 mod material;
 mod mesh;
+mod upload;
+mod view_set;
 
 pub use camera::{Camera, Projection, View, depth};
+pub use draw::{ALPHA_TESTED, Draw, DrawClass, DrawList, Faces, POSITIONS, SHADED};
 pub use light::{Light, LightKind};
+pub use light_buffer::{LightShadow, record_lights};
 pub use material::{AlphaMode, Filter, Material, Texture, TextureSlot, Wrap};
 pub use mesh::{Mesh, Object, Primitive};
+pub use upload::GpuScene;
+pub use view_set::ViewSet;
 
 /// A scene in host memory.
+///
+/// Made by [`Scene::load`] or [`Scene::builtin`].
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// File stem or built-in name.

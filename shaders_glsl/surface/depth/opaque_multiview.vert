@@ -1,4 +1,4 @@
 #version 460
 #extension GL_EXT_multiview : require
 #define MULTIVIEW
-#include "depth/masked.glsl"
+#include "surface/depth/opaque.glsl"
