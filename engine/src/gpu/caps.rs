@@ -118,8 +118,10 @@ features! {
     TessellationShader = "tessellationShader",
     /// Logic operations on integer attachments.
     LogicOp = "logicOp",
-    /// A vertex shader writes `gl_Layer` and `gl_ViewportIndex`.
+    /// A vertex shader writes `gl_Layer`.
     LayerFromVertexShader = "shaderOutputLayer",
+    /// A vertex shader writes `gl_ViewportIndex`.
+    ViewportFromVertexShader = "shaderOutputViewportIndex",
     /// `gl_BaseInstance` and `gl_DrawID`.
     DrawParameters = "shaderDrawParameters",
     /// 64-bit integers in shaders.
@@ -160,6 +162,8 @@ features! {
     StorageImageDynamicIndexing = "shaderStorageImageArrayDynamicIndexing",
     /// Arrays of storage buffers indexed by a value that is the same over a draw.
     StorageBufferDynamicIndexing = "shaderStorageBufferArrayDynamicIndexing",
+    /// Arrays of uniform buffers indexed by a value that is the same over a draw.
+    UniformBufferDynamicIndexing = "shaderUniformBufferArrayDynamicIndexing",
     /// Arrays of descriptors without a length.
     RuntimeDescriptorArray = "runtimeDescriptorArray",
     /// Descriptors that are not used may be unwritten.
@@ -172,10 +176,6 @@ features! {
     DrawIndirectCount = "drawIndirectCount",
     /// Several indirect draws in one command.
     MultiDrawIndirect = "multiDrawIndirect",
-    /// Indirect draws with a first instance other than 0.
-    DrawIndirectFirstInstance = "drawIndirectFirstInstance",
-    /// Indices up to 2^32 - 1.
-    FullDrawIndexUint32 = "fullDrawIndexUint32",
     /// Loads from storage images declared without a format.
     StorageReadWithoutFormat = "shaderStorageImageReadWithoutFormat",
     /// Stores to storage images declared without a format.
@@ -186,8 +186,6 @@ features! {
     StorageImageMultisample = "shaderStorageImageMultisample",
     /// `textureGather` with offsets that are not constant.
     ImageGatherExtended = "shaderImageGatherExtended",
-    /// Arrays of cubes.
-    ImageCubeArray = "imageCubeArray",
     /// A fragment shader's two outputs for one attachment.
     DualSourceBlend = "dualSrcBlend",
     /// A fragment shader that runs a sample.
@@ -216,6 +214,8 @@ features! {
     TextureCompressionBc = "textureCompressionBC",
     /// Chosen subgroup sizes.
     SubgroupSizeControl = "subgroupSizeControl",
+    /// Vulkan's memory model.
+    VulkanMemoryModel = "vulkanMemoryModel",
     /// Descriptors written by commands.
     PushDescriptors = "VK_KHR_push_descriptor",
     /// A fragment shader writes the stencil.
@@ -298,6 +298,6 @@ impl Caps {
     /// Vulkan features that every device must have for the engine to run on it, by Vulkan's names: those that
     /// lavapipe, SwiftShader, MoltenVK and current desktop drivers share.
     pub fn required() -> &'static [&'static str] {
-        unimplemented!()
+        super::features::REQUIRED_NAMES
     }
 }

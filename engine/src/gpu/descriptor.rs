@@ -1,10 +1,14 @@
 //! Descriptor sets.
 
+use std::sync::Arc;
+
 use ash::vk;
 
-use super::{Buffer, Gpu, Image, Pipeline, Sampler, ViewInfo};
-use crate::Result;
-use crate::shader::Shader;
+use super::device::{Device, Garbage};
+use super::layout::descriptor_type;
+use super::{Buffer, Gpu, Image, Pipeline, PipelineBinding, Sampler, ViewInfo};
+use crate::shader::{Binding, BindingKind};
+use crate::{Error, Result};
 
 /// What a binding points at.
 #[derive(Clone)]
@@ -58,36 +62,96 @@ impl Descriptor {
         }
     }
 
+    /// What it is, for messages.
+    fn kind(&self) -> String {
+        match self {
+            Self::Buffer { buffer, .. } => format!("buffer {:?}", buffer.name()),
+            Self::Image { image, .. } => format!("image {:?} without a sampler", image.name()),
+            Self::Sampled { image, .. } => format!("image {:?} with a sampler", image.name()),
+            Self::Sampler(_) => "a sampler".into(),
+        }
+    }
+
     /// A whole image (its first mip level) for loads and stores, in `GENERAL`.
     pub fn storage(image: &Image) -> Self {
         Self::Image { image: image.clone(), view: image.whole().mip(0), layout: vk::ImageLayout::GENERAL }
     }
 }
 
-/// Layout of one descriptor set. Equal contents are one Vulkan object.
+/// Layout of one descriptor set. Equal contents are one Vulkan object. It is valid as long as its [`Gpu`].
 #[derive(Clone)]
-pub struct SetLayout {}
+pub struct SetLayout {
+    pub(super) raw: vk::DescriptorSetLayout,
+    pub(super) set: u32,
+    pub(super) bindings: Arc<[PipelineBinding]>,
+}
 
 impl SetLayout {
     /// The Vulkan handle.
     pub fn raw(&self) -> vk::DescriptorSetLayout {
-        unimplemented!()
+        self.raw
+    }
+
+    /// Number of the set.
+    pub fn set(&self) -> u32 {
+        self.set
+    }
+
+    /// What it holds, by binding number.
+    pub fn bindings(&self) -> &[PipelineBinding] {
+        &self.bindings
     }
 }
 
 /// A long-lived descriptor set. It keeps alive what it points at.
 #[derive(Clone)]
-pub struct DescriptorSet {}
+pub struct DescriptorSet(Arc<Inner>);
+
+struct Inner {
+    device: Arc<Device>,
+    id: u64,
+    name: String,
+    /// Of its own size, for this set alone.
+    pool: vk::DescriptorPool,
+    set: vk::DescriptorSet,
+    /// What it points at.
+    _kept: Vec<Descriptor>,
+}
 
 impl DescriptorSet {
     /// The Vulkan handle.
     pub fn raw(&self) -> vk::DescriptorSet {
-        unimplemented!()
+        self.0.set
+    }
+
+    /// Debug name.
+    pub fn name(&self) -> &str {
+        &self.0.name
+    }
+}
+
+impl Drop for Inner {
+    fn drop(&mut self) {
+        self.device.forget(self.id);
+        self.device.defer(Garbage::DescriptorPools(vec![self.pool]));
     }
 }
 
 /// Descriptor sets that live for one frame: allocated one by one, given back together.
-pub struct DescriptorArena {}
+pub struct DescriptorArena {
+    device: Arc<Device>,
+    id: u64,
+    name: String,
+    pools: Vec<vk::DescriptorPool>,
+    /// The pool that is being allocated from.
+    current: usize,
+    /// What the sets point at.
+    kept: Vec<Descriptor>,
+}
+
+/// Sets of one of an arena's pools, and descriptors of each kind.
+const ARENA_SETS: u32 = 128;
+const ARENA_DESCRIPTORS: u32 = 512;
 
 impl DescriptorArena {
     /// A set with every binding of `pipeline`'s set number `set`; as [`Gpu::descriptor_set`]. It is valid until the
@@ -97,29 +161,75 @@ impl DescriptorArena {
     /// As [`Gpu::descriptor_set`].
     pub fn set(
         &mut self,
-        _pipeline: &Pipeline,
-        _set: u32,
-        _descriptors: &[(u32, Descriptor)],
+        pipeline: &Pipeline,
+        set: u32,
+        descriptors: &[(u32, Descriptor)],
     ) -> Result<vk::DescriptorSet> {
-        unimplemented!()
+        let who = format!("descriptor set {set} of pipeline {:?}", pipeline.name());
+        self.set_of(&who, layout_of(pipeline, set)?, descriptors)
+    }
+
+    fn set_of(
+        &mut self,
+        who: &str,
+        layout: &SetLayout,
+        descriptors: &[(u32, Descriptor)],
+    ) -> Result<vk::DescriptorSet> {
+        let writes = Writes::check(&self.device, who, layout, descriptors)?;
+        let layouts = [layout.raw];
+        let raw = loop {
+            // A set that is larger than a whole pool gets one of its own size.
+            if self.current == self.pools.len() {
+                let sizes: Vec<_> = pool_sizes(layout)
+                    .into_iter()
+                    .chain(ARENA_KINDS.map(|ty| vk::DescriptorPoolSize { ty, descriptor_count: ARENA_DESCRIPTORS }))
+                    .collect();
+                let pool = make_pool(&self.device, &self.name, &sizes, ARENA_SETS)?;
+                self.pools.push(pool);
+            }
+            let pool = self.pools[self.current];
+            let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
+            // SAFETY: a live pool that only this arena uses, and a live layout.
+            match unsafe { self.device.raw.allocate_descriptor_sets(&info) } {
+                Ok(sets) => break sets[0],
+                Err(vk::Result::ERROR_OUT_OF_POOL_MEMORY | vk::Result::ERROR_FRAGMENTED_POOL) => self.current += 1,
+                Err(e) => return Err(self.device.error("vkAllocateDescriptorSets", who, e)),
+            }
+        };
+        writes.write(&self.device, raw);
+        self.kept.extend(descriptors.iter().map(|d| d.1.clone()));
+        Ok(raw)
     }
 
     /// Gives all sets back. The device must be done with them.
     pub fn reset(&mut self) {
-        unimplemented!()
+        for &pool in &self.pools[..self.pools.len().min(self.current + 1)] {
+            // SAFETY: the caller's promise that the device is done with the sets; it cannot fail.
+            let _ = unsafe { self.device.raw.reset_descriptor_pool(pool, vk::DescriptorPoolResetFlags::empty()) };
+        }
+        self.current = 0;
+        self.kept.clear();
     }
 }
 
-impl Gpu {
-    /// The layout of set number `set` that fits all of these shaders: for a set (a material's) that pipelines with
-    /// different shaders share; give it to each of them in [`super::GraphicsPipelineInfo::set_layouts`].
-    ///
-    /// # Errors
-    /// [`crate::Error::Invalid`] naming both files where two shaders disagree about a binding.
-    pub fn set_layout(&self, _set: u32, _shaders: &[&'static Shader]) -> Result<SetLayout> {
-        unimplemented!()
+impl Drop for DescriptorArena {
+    fn drop(&mut self) {
+        self.device.forget(self.id);
+        self.device.defer(Garbage::DescriptorPools(std::mem::take(&mut self.pools)));
     }
+}
 
+/// Kinds of descriptors that the engine knows.
+const ARENA_KINDS: [vk::DescriptorType; 6] = [
+    vk::DescriptorType::UNIFORM_BUFFER,
+    vk::DescriptorType::STORAGE_BUFFER,
+    vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
+    vk::DescriptorType::SAMPLED_IMAGE,
+    vk::DescriptorType::SAMPLER,
+    vk::DescriptorType::STORAGE_IMAGE,
+];
+
+impl Gpu {
     /// A long-lived set for set number `set` of `pipeline` and of every pipeline with the same layout there.
     /// `descriptors` are by binding number; an array takes as many entries as it has elements, in order.
     ///
@@ -128,12 +238,12 @@ impl Gpu {
     /// crash), are not there, or are of another kind.
     pub fn descriptor_set(
         &self,
-        _name: &str,
-        _pipeline: &Pipeline,
-        _set: u32,
-        _descriptors: &[(u32, Descriptor)],
+        name: &str,
+        pipeline: &Pipeline,
+        set: u32,
+        descriptors: &[(u32, Descriptor)],
     ) -> Result<DescriptorSet> {
-        unimplemented!()
+        self.descriptor_set_of(name, layout_of(pipeline, set)?, descriptors)
     }
 
     /// As [`Gpu::descriptor_set`], from a layout.
@@ -142,15 +252,194 @@ impl Gpu {
     /// As [`Gpu::descriptor_set`].
     pub fn descriptor_set_of(
         &self,
-        _name: &str,
-        _layout: &SetLayout,
-        _descriptors: &[(u32, Descriptor)],
+        name: &str,
+        layout: &SetLayout,
+        descriptors: &[(u32, Descriptor)],
     ) -> Result<DescriptorSet> {
-        unimplemented!()
+        let device = &self.device;
+        let writes = Writes::check(device, &format!("descriptor set {name:?}"), layout, descriptors)?;
+        let pool = make_pool(device, name, &pool_sizes(layout), 1)?;
+        let layouts = [layout.raw];
+        let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
+        // SAFETY: a live pool that only we use, and a live layout.
+        let set = match unsafe { device.raw.allocate_descriptor_sets(&info) } {
+            Ok(sets) => sets[0],
+            Err(e) => {
+                device.destroy(Garbage::DescriptorPools(vec![pool]));
+                return Err(device.error("vkAllocateDescriptorSets", name, e));
+            }
+        };
+        device.name(set, name);
+        writes.write(device, set);
+        Ok(DescriptorSet(Arc::new(Inner {
+            id: device.register("descriptor set", name),
+            device: device.clone(),
+            name: name.into(),
+            pool,
+            set,
+            _kept: descriptors.iter().map(|d| d.1.clone()).collect(),
+        })))
     }
 
     /// An arena for the sets of one frame.
-    pub fn descriptor_arena(&self, _name: &str) -> DescriptorArena {
-        unimplemented!()
+    pub fn descriptor_arena(&self, name: &str) -> DescriptorArena {
+        DescriptorArena {
+            id: self.device.register("descriptor arena", name),
+            device: self.device.clone(),
+            name: name.into(),
+            pools: Vec::new(),
+            current: 0,
+            kept: Vec::new(),
+        }
     }
+}
+
+fn layout_of(pipeline: &Pipeline, set: u32) -> Result<&SetLayout> {
+    pipeline
+        .set_layout(set)
+        .ok_or_else(|| Error::invalid(format!("pipeline {:?}", pipeline.name()), format!("it has no set {set}")))
+}
+
+fn pool_sizes(layout: &SetLayout) -> Vec<vk::DescriptorPoolSize> {
+    let size = |b: &PipelineBinding| vk::DescriptorPoolSize {
+        ty: descriptor_type(b.binding.kind),
+        descriptor_count: b.binding.count.max(1),
+    };
+    let mut sizes: Vec<_> = layout.bindings.iter().map(size).collect();
+    if sizes.is_empty() {
+        // A pool holds something, even one for an empty set.
+        sizes.push(vk::DescriptorPoolSize { ty: vk::DescriptorType::UNIFORM_BUFFER, descriptor_count: 1 });
+    }
+    sizes
+}
+
+fn make_pool(device: &Device, name: &str, sizes: &[vk::DescriptorPoolSize], sets: u32) -> Result<vk::DescriptorPool> {
+    let info = vk::DescriptorPoolCreateInfo::default().max_sets(sets).pool_sizes(sizes);
+    // SAFETY: a valid structure.
+    let pool = unsafe { device.raw.create_descriptor_pool(&info, None) };
+    let pool = pool.map_err(|e| device.error("vkCreateDescriptorPool", name, e))?;
+    device.name(pool, &format!("{name}.pool"));
+    Ok(pool)
+}
+
+/// Checked contents of a set.
+struct Writes {
+    /// Binding, element, kind, and index into `buffers` or `images`.
+    entries: Vec<(u32, u32, BindingKind, usize)>,
+    buffers: Vec<vk::DescriptorBufferInfo>,
+    images: Vec<vk::DescriptorImageInfo>,
+}
+
+impl Writes {
+    /// Checks that every element of every binding is given once and is of the right kind.
+    fn check(device: &Arc<Device>, who: &str, layout: &SetLayout, given: &[(u32, Descriptor)]) -> Result<Writes> {
+        let mut writes = Writes { entries: Vec::new(), buffers: Vec::new(), images: Vec::new() };
+        let mut problems = Vec::new();
+        for PipelineBinding { binding, .. } in layout.bindings.iter() {
+            let elements: Vec<&Descriptor> = given.iter().filter(|g| g.0 == binding.binding).map(|g| &g.1).collect();
+            let what = format!("binding {} {:?}", binding.binding, binding.name);
+            if elements.len() as u32 != binding.count.max(1) {
+                let count = binding.count.max(1);
+                problems.push(format!("{what} ({:?}) takes {count}, given are {}", binding.kind, elements.len()));
+                continue;
+            }
+            for (element, descriptor) in elements.into_iter().enumerate() {
+                match writes.push(device, binding, element as u32, descriptor) {
+                    Ok(()) => {}
+                    Err(Error::Invalid { what: object, why }) => problems.push(format!("{what}: {object}: {why}")),
+                    Err(e) => return Err(e),
+                }
+            }
+        }
+        for (number, _) in given {
+            if !layout.bindings.iter().any(|b| b.binding.binding == *number) {
+                problems.push(format!("there is no binding {number}"));
+            }
+        }
+        if problems.is_empty() { Ok(writes) } else { Err(Error::invalid(who, problems.join("; "))) }
+    }
+
+    fn push(&mut self, device: &Arc<Device>, binding: &Binding, element: u32, given: &Descriptor) -> Result<()> {
+        use BindingKind as K;
+        let image = |image: &Image, view: &ViewInfo, layout, sampler| -> Result<vk::DescriptorImageInfo> {
+            if !image.is_of(device) {
+                return Err(image.invalid("it is of another device"));
+            }
+            Ok(vk::DescriptorImageInfo { image_view: image.view(view)?, image_layout: layout, sampler })
+        };
+        let index = match (binding.kind, given) {
+            (K::UniformBuffer | K::StorageBuffer, Descriptor::Buffer { buffer, offset, size }) => {
+                if !buffer.is_of(device) {
+                    return Err(buffer.invalid("it is of another device"));
+                }
+                check_range(device, binding, buffer, *offset, *size)?;
+                self.buffers.push(vk::DescriptorBufferInfo { buffer: buffer.raw(), offset: *offset, range: *size });
+                self.buffers.len() - 1
+            }
+            (K::SampledImage | K::StorageImage, Descriptor::Image { image: i, view, layout }) => {
+                self.images.push(image(i, view, *layout, vk::Sampler::null())?);
+                self.images.len() - 1
+            }
+            (K::CombinedImageSampler, Descriptor::Sampled { image: i, view, layout, sampler }) => {
+                self.images.push(image(i, view, *layout, sampler.raw())?);
+                self.images.len() - 1
+            }
+            (K::Sampler, Descriptor::Sampler(sampler)) => {
+                self.images.push(vk::DescriptorImageInfo { sampler: sampler.raw(), ..Default::default() });
+                self.images.len() - 1
+            }
+            (kind, given) => {
+                return Err(Error::invalid(given.kind(), format!("it cannot be bound as {kind:?}")));
+            }
+        };
+        self.entries.push((binding.binding, element, binding.kind, index));
+        Ok(())
+    }
+
+    fn write(&self, device: &Device, set: vk::DescriptorSet) {
+        let write = |&(binding, element, kind, index): &(u32, u32, BindingKind, usize)| {
+            let write = vk::WriteDescriptorSet::default()
+                .dst_set(set)
+                .dst_binding(binding)
+                .dst_array_element(element)
+                .descriptor_type(descriptor_type(kind));
+            match kind {
+                BindingKind::UniformBuffer | BindingKind::StorageBuffer => {
+                    write.buffer_info(std::slice::from_ref(&self.buffers[index]))
+                }
+                _ => write.image_info(std::slice::from_ref(&self.images[index])),
+            }
+        };
+        let writes: Vec<_> = self.entries.iter().map(write).collect();
+        // SAFETY: a set that nothing uses yet; live objects of the kinds that its layout has.
+        unsafe { device.raw.update_descriptor_sets(&writes, &[]) };
+    }
+}
+
+/// Whether a part of a buffer can be bound.
+fn check_range(device: &Device, binding: &Binding, buffer: &Buffer, offset: u64, size: u64) -> Result<()> {
+    let limits = &device.caps.limits;
+    let (align, most, usage) = if binding.kind == BindingKind::UniformBuffer {
+        let most = limits.max_uniform_buffer_range;
+        (limits.min_uniform_buffer_offset_alignment, most, vk::BufferUsageFlags::UNIFORM_BUFFER)
+    } else {
+        let most = limits.max_storage_buffer_range;
+        (limits.min_storage_buffer_offset_alignment, most, vk::BufferUsageFlags::STORAGE_BUFFER)
+    };
+    let left = buffer.size().saturating_sub(offset);
+    let bytes = if size == vk::WHOLE_SIZE { left } else { size };
+    let why = if !buffer.usage().contains(usage) {
+        format!("it was made without the usage {usage:?}")
+    } else if bytes == 0 || bytes > left {
+        format!("{bytes} bytes at {offset} are not in its {}", buffer.size())
+    } else if offset % align.max(1) != 0 {
+        format!("offset {offset} is no multiple of the device's {align}")
+    } else if bytes > u64::from(most) {
+        format!("{bytes} bytes are more than the device binds at once ({most}); bind a part, or use its address")
+    } else if bytes < u64::from(binding.size) {
+        format!("{bytes} bytes are fewer than the shader's {}", binding.size)
+    } else {
+        return Ok(());
+    };
+    Err(buffer.invalid(why))
 }

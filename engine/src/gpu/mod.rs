@@ -5,8 +5,8 @@
 //! Objects keep the device alive, so the order of dropping is free; what still lives when the [`Gpu`] goes is a
 //! leak, reported by name ([`Gpu::close`], [`Gpu::live_objects`]).
 //!
-//! Threads: [`Gpu`] and every object here are `Send` and `Sync`, but for [`Commands`], [`Uploader`] and
-//! [`DescriptorArena`], which are `Send` and used by one thread at a time. Submission takes a lock.
+//! Threads: [`Gpu`] and the objects here are `Send` and `Sync`. [`Commands`] and [`Uploader`] are `Send` only;
+//! [`DescriptorArena`] is recorded with through `&mut`. Submission takes a lock.
 //!
 //! `raw()` gives the Vulkan handle of an object, for recording. A handle is valid while the object lives; a clone
 //! given to [`Commands::keep`] lives until the device is done.
@@ -16,15 +16,28 @@ mod buffer;
 mod caps;
 mod commands;
 mod descriptor;
+mod device;
+mod features;
 mod format;
 mod image;
+mod instance;
+mod layout;
 mod memory;
 mod messages;
+mod open;
 mod options;
 mod pipeline;
+mod pipeline_cache;
+mod pipeline_checks;
+mod pipeline_info;
+mod pipeline_state;
 mod query;
 mod sampler;
+mod select;
+mod submit;
 mod upload;
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 pub use buffer::{Buffer, BufferInfo};
 pub use caps::{Caps, DeviceKind, Feature, Limits, QueueFamily};
@@ -35,71 +48,52 @@ pub use image::{Image, ImageInfo, ViewInfo};
 pub use memory::{Heap, Memory, Requirements};
 pub use messages::{Message, Messages, Severity};
 pub use options::{GpuOptions, RawGpu, Validation};
-pub use pipeline::{
-    ColorTarget, Constant, DepthState, GraphicsPipelineInfo, Pipeline, PipelineBinding, StencilState, VertexAttribute,
-    VertexBuffer, blend,
+pub use pipeline::{Constant, Pipeline, PipelineBinding};
+pub use pipeline_info::{
+    ColorTarget, DepthState, GraphicsPipelineInfo, StencilState, VertexAttribute, VertexBuffer, blend,
 };
 pub use query::{QueryKind, QueryPool};
 pub use sampler::{Sampler, SamplerInfo};
 pub use upload::Uploader;
 
-use crate::Result;
+use crate::{Error, Result};
+use device::{Device, c_string};
 
 /// A Vulkan device and all that the engine keeps for it.
-pub struct Gpu {}
+pub struct Gpu {
+    device: Arc<Device>,
+}
 
 impl Gpu {
-    /// Opens a device without a window.
-    ///
-    /// Takes the best device (discrete, integrated, virtual, then CPU) that has what the engine needs, or the one
-    /// that [`GpuOptions::device`] or `SHADOWGRAPH_DEVICE` names.
-    ///
-    /// # Errors
-    /// [`crate::Error::NoDevice`] where there is no loader, no device or none of that name, or the validation layer
-    /// is not installed; [`crate::Error::Missing`] with every feature that the device lacks.
-    pub fn headless(_options: GpuOptions) -> Result<Gpu> {
-        unimplemented!()
-    }
-
-    /// Uses an application's own device, which is not destroyed at the end.
-    ///
-    /// # Safety
-    /// The handles are valid and outlive the [`Gpu`] and all it makes; the device was created with the features and
-    /// extensions that [`RawGpu`] states; nobody else uses the queue during a call of [`Gpu::submit`] or
-    /// [`Gpu::wait_idle`].
-    ///
-    /// # Errors
-    /// [`crate::Error::Missing`] as for [`Gpu::headless`].
-    pub unsafe fn from_raw(_raw: RawGpu) -> Result<Gpu> {
-        unimplemented!()
-    }
-
     /// What the device can do.
     pub fn caps(&self) -> &Caps {
-        unimplemented!()
+        &self.device.caps
     }
 
-    /// Validation messages so far.
-    pub fn messages(&self) -> &Messages {
-        unimplemented!()
+    /// Validation messages so far. A clone of the `Arc` can be read after the [`Gpu`] is gone.
+    pub fn messages(&self) -> &Arc<Messages> {
+        &self.device.messages
     }
 
     /// The device, for recording and for what is not wrapped.
     pub fn raw(&self) -> &ash::Device {
-        unimplemented!()
+        &self.device.raw
+    }
+
+    /// The instance, for what is not wrapped.
+    pub fn raw_instance(&self) -> &ash::Instance {
+        &self.device.instance
+    }
+
+    /// The physical device.
+    pub fn raw_physical_device(&self) -> ash::vk::PhysicalDevice {
+        self.device.physical
     }
 
     /// Names of the objects made by this [`Gpu`] that still live, each with its kind: `image "shadow.map"`.
     pub fn live_objects(&self) -> Vec<String> {
-        unimplemented!()
-    }
-
-    /// Waits for the device, frees everything, and tells of leaks.
-    ///
-    /// # Errors
-    /// [`crate::Error::Invalid`] naming every object that still lives. (Plain dropping logs the same.)
-    pub fn close(self) -> Result<()> {
-        unimplemented!()
+        self.device.collect();
+        self.device.live_objects()
     }
 
     /// Waits until the device has done all that was submitted, and frees what waited for that.
@@ -107,7 +101,7 @@ impl Gpu {
     /// # Errors
     /// [`crate::Error::DeviceLost`].
     pub fn wait_idle(&self) -> Result<()> {
-        unimplemented!()
+        self.device.wait_all()
     }
 
     /// Writes the pipeline cache to [`GpuOptions::pipeline_cache`], under a temporary name first. Done by `close` and
@@ -116,6 +110,57 @@ impl Gpu {
     /// # Errors
     /// [`crate::Error::Io`].
     pub fn save_pipeline_cache(&self) -> Result<()> {
-        unimplemented!()
+        self.device.pipeline_cache.save(&self.device.raw)
     }
+
+    /// Waits for the device, frees everything, and tells of leaks.
+    ///
+    /// # Errors
+    /// [`crate::Error::Invalid`] naming every object that still lives (plain dropping logs the same);
+    /// [`crate::Error::DeviceLost`]; [`crate::Error::Io`] where the pipeline cache cannot be written.
+    pub fn close(self) -> Result<()> {
+        let (waited, saved) = (self.wait_idle(), self.save_pipeline_cache());
+        let live = self.device.live_objects();
+        // `Drop` would say and do it all again.
+        let device = Arc::clone(&self.device);
+        std::mem::forget(self);
+        // SAFETY: `forget` kept one count, which is given back here.
+        unsafe { Arc::decrement_strong_count(Arc::as_ptr(&device)) };
+        drop(device);
+        waited?;
+        leaks(&live)?;
+        saved
+    }
+}
+
+impl Drop for Gpu {
+    fn drop(&mut self) {
+        if let Err(e) = self.wait_idle() {
+            log::error!("{e}");
+        }
+        if let Err(e) = self.save_pipeline_cache() {
+            log::warn!("{e}");
+        }
+        if let Err(e) = leaks(&self.device.live_objects()) {
+            log::error!("{e}");
+        }
+    }
+}
+
+impl std::fmt::Debug for Gpu {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Gpu({})", self.device.caps.title())
+    }
+}
+
+fn leaks(live: &[String]) -> Result<()> {
+    if live.is_empty() {
+        return Ok(());
+    }
+    Err(Error::invalid("the device", format!("{} objects outlive it: {}", live.len(), live.join(", "))))
+}
+
+/// Locks; what a panicking thread left behind is used as it is.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

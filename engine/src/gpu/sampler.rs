@@ -2,7 +2,7 @@
 
 use ash::vk;
 
-use super::Gpu;
+use super::{Feature, Gpu, lock};
 use crate::Result;
 
 /// What sampler to make. The default is trilinear, repeating, over all mip levels.
@@ -42,6 +42,24 @@ impl Default for SamplerInfo {
 }
 
 impl SamplerInfo {
+    pub(super) fn key(&self) -> SamplerKey {
+        let w = self.wrap.map(|w| w.as_raw());
+        SamplerKey(
+            [
+                self.min.as_raw(),
+                self.mag.as_raw(),
+                self.mip.as_raw(),
+                w[0],
+                w[1],
+                w[2],
+                self.compare.map_or(-1, |c| c.as_raw()),
+                self.border.as_raw(),
+                self.reduction.as_raw(),
+            ],
+            self.lod.map(f32::to_bits),
+        )
+    }
+
     /// Nearest texel of the nearest level, clamped to the edge.
     pub fn nearest() -> Self {
         Self {
@@ -53,6 +71,10 @@ impl SamplerInfo {
         }
     }
 }
+
+/// A [`SamplerInfo`] that can be looked up.
+#[derive(PartialEq, Eq, Hash)]
+pub(super) struct SamplerKey([i32; 9], [u32; 2]);
 
 /// A sampler. One exists for each [`SamplerInfo`]; it lives as long as its device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -70,7 +92,35 @@ impl Gpu {
     ///
     /// # Errors
     /// [`crate::Error::Missing`] for a reduction that the device lacks; [`crate::Error::Vulkan`].
-    pub fn sampler(&self, _info: &SamplerInfo) -> Result<Sampler> {
-        unimplemented!()
+    pub fn sampler(&self, info: &SamplerInfo) -> Result<Sampler> {
+        if info.reduction != vk::SamplerReductionMode::WEIGHTED_AVERAGE {
+            self.device.caps.require("a sampler's reduction", &[Feature::SamplerFilterMinmax])?;
+        }
+        let mut samplers = lock(&self.device.samplers);
+        if let Some(&known) = samplers.get(&info.key()) {
+            return Ok(Sampler(known));
+        }
+        let mut reduction = vk::SamplerReductionModeCreateInfo::default().reduction_mode(info.reduction);
+        let mut create = vk::SamplerCreateInfo::default()
+            .min_filter(info.min)
+            .mag_filter(info.mag)
+            .mipmap_mode(info.mip)
+            .address_mode_u(info.wrap[0])
+            .address_mode_v(info.wrap[1])
+            .address_mode_w(info.wrap[2])
+            .compare_enable(info.compare.is_some())
+            .compare_op(info.compare.unwrap_or(vk::CompareOp::ALWAYS))
+            .min_lod(info.lod[0])
+            .max_lod(info.lod[1])
+            .border_color(info.border);
+        if info.reduction != vk::SamplerReductionMode::WEIGHTED_AVERAGE {
+            create = create.push_next(&mut reduction);
+        }
+        // SAFETY: a valid structure; the reduction's feature is on.
+        let made = unsafe { self.device.raw.create_sampler(&create, None) };
+        let made = made.map_err(|e| self.device.error("vkCreateSampler", "a sampler", e))?;
+        self.device.name(made, &format!("sampler {:?} {:?} {:?}", info.min, info.wrap[0], info.compare));
+        samplers.insert(info.key(), made);
+        Ok(Sampler(made))
     }
 }

@@ -1,156 +1,197 @@
-//! What a use of a resource needs, by what it is used as. Nobody else types Vulkan's access flags.
+//! The accesses that uses of resources come down to. Nobody else types stages, masks and layouts.
+//!
+//! Layouts are the generic ones of Vulkan 1.3: `ATTACHMENT_OPTIMAL` and `READ_ONLY_OPTIMAL` fit colour, depth and
+//! stencil alike, so a depth image that is tested and sampled in one pass needs no other layout. A buffer's layout is
+//! not looked at.
 
-use ash::vk;
-use ash::vk::{AccessFlags2 as A, ImageLayout as L, PipelineStageFlags2 as S};
+use ash::vk::{self, AccessFlags2 as Mask, ImageLayout as Layout, PipelineStageFlags2 as Stages};
 
-use super::description::{Access, ImageShape, Range};
+use super::description::Access;
+
+/// Stages that run the depth and stencil tests.
+const FRAGMENT_TESTS: Stages =
+    Stages::from_raw(Stages::EARLY_FRAGMENT_TESTS.as_raw() | Stages::LATE_FRAGMENT_TESTS.as_raw());
+
+/// Every bit of an access mask that writes.
+const WRITES: Mask = Mask::from_raw(
+    Mask::SHADER_WRITE.as_raw()
+        | Mask::SHADER_STORAGE_WRITE.as_raw()
+        | Mask::COLOR_ATTACHMENT_WRITE.as_raw()
+        | Mask::DEPTH_STENCIL_ATTACHMENT_WRITE.as_raw()
+        | Mask::TRANSFER_WRITE.as_raw()
+        | Mask::HOST_WRITE.as_raw()
+        | Mask::MEMORY_WRITE.as_raw(),
+);
 
 impl Access {
-    const fn new(stages: S, mask: A, layout: L) -> Self {
+    /// Nothing: no stage, no access, no layout. What a resource fresh from the application arrives in.
+    pub const NONE: Access = Access { stages: Stages::NONE, mask: Mask::NONE, layout: Layout::UNDEFINED };
+
+    const fn new(stages: Stages, mask: Mask, layout: Layout) -> Self {
         Self { stages, mask, layout }
     }
 
-    /// Nothing yet: contents are undefined.
-    pub const fn none() -> Self {
-        Self::new(S::NONE, A::NONE, L::UNDEFINED)
+    /// A colour attachment that is written. `load`: its earlier contents are loaded or blended with.
+    pub const fn color_attachment(load: bool) -> Self {
+        let read = if load { Mask::COLOR_ATTACHMENT_READ.as_raw() } else { 0 };
+        let mask = Mask::from_raw(Mask::COLOR_ATTACHMENT_WRITE.as_raw() | read);
+        Self::new(Stages::COLOR_ATTACHMENT_OUTPUT, mask, Layout::ATTACHMENT_OPTIMAL)
     }
 
-    /// Colour attachment; `reads` where it is loaded or blended.
-    pub fn color_attachment(reads: bool) -> Self {
-        let mask = if reads { A::COLOR_ATTACHMENT_READ | A::COLOR_ATTACHMENT_WRITE } else { A::COLOR_ATTACHMENT_WRITE };
-        Self::new(S::COLOR_ATTACHMENT_OUTPUT, mask, L::COLOR_ATTACHMENT_OPTIMAL)
+    /// A depth or stencil attachment that is tested and written.
+    pub const fn depth_attachment_write() -> Self {
+        let mask = Mask::from_raw(
+            Mask::DEPTH_STENCIL_ATTACHMENT_READ.as_raw() | Mask::DEPTH_STENCIL_ATTACHMENT_WRITE.as_raw(),
+        );
+        Self::new(FRAGMENT_TESTS, mask, Layout::ATTACHMENT_OPTIMAL)
     }
 
-    /// Depth (and stencil) attachment, tested and written.
-    pub fn depth_attachment_write() -> Self {
-        let mask = A::DEPTH_STENCIL_ATTACHMENT_READ | A::DEPTH_STENCIL_ATTACHMENT_WRITE;
-        Self::new(S::EARLY_FRAGMENT_TESTS | S::LATE_FRAGMENT_TESTS, mask, L::DEPTH_STENCIL_ATTACHMENT_OPTIMAL)
+    /// A depth or stencil attachment that is tested and left as it is.
+    pub const fn depth_attachment_read() -> Self {
+        Self::new(FRAGMENT_TESTS, Mask::DEPTH_STENCIL_ATTACHMENT_READ, Layout::READ_ONLY_OPTIMAL)
     }
 
-    /// Depth (and stencil) attachment, tested only. May be sampled at the same time.
-    pub fn depth_attachment_read() -> Self {
-        let stages = S::EARLY_FRAGMENT_TESTS | S::LATE_FRAGMENT_TESTS;
-        Self::new(stages, A::DEPTH_STENCIL_ATTACHMENT_READ, L::DEPTH_STENCIL_READ_ONLY_OPTIMAL)
+    /// An attachment that multisampled colour is resolved to.
+    pub const fn resolve_attachment() -> Self {
+        Self::new(Stages::COLOR_ATTACHMENT_OUTPUT, Mask::COLOR_ATTACHMENT_WRITE, Layout::ATTACHMENT_OPTIMAL)
     }
 
-    /// Sampled or fetched as a texture by these stages.
-    pub fn sampled(stages: S) -> Self {
-        Self::new(stages, A::SHADER_SAMPLED_READ, L::SHADER_READ_ONLY_OPTIMAL)
+    /// A sampled image, with or without its sampler, seen by these shader stages.
+    pub const fn sampled(stages: Stages) -> Self {
+        Self::new(stages, Mask::SHADER_SAMPLED_READ, Layout::READ_ONLY_OPTIMAL)
     }
 
-    /// Storage image, loads only.
-    pub fn storage_image_read(stages: S) -> Self {
-        Self::new(stages, A::SHADER_STORAGE_READ, L::GENERAL)
+    /// A storage image that these shader stages load from.
+    pub const fn storage_image_read(stages: Stages) -> Self {
+        Self::new(stages, Mask::SHADER_STORAGE_READ, Layout::GENERAL)
     }
 
-    /// Storage image, stores only.
-    pub fn storage_image_write(stages: S) -> Self {
-        Self::new(stages, A::SHADER_STORAGE_WRITE, L::GENERAL)
+    /// A storage image that these shader stages store to.
+    pub const fn storage_image_write(stages: Stages) -> Self {
+        Self::new(stages, Mask::SHADER_STORAGE_WRITE, Layout::GENERAL)
     }
 
-    /// Storage image, loads and stores or atomics.
-    pub fn storage_image_read_write(stages: S) -> Self {
-        Self::new(stages, A::SHADER_STORAGE_READ | A::SHADER_STORAGE_WRITE, L::GENERAL)
+    /// A storage image that these shader stages load from and store to, or use atomics on.
+    pub const fn storage_image_read_write(stages: Stages) -> Self {
+        let mask = Mask::SHADER_STORAGE_READ.as_raw() | Mask::SHADER_STORAGE_WRITE.as_raw();
+        Self::new(stages, Mask::from_raw(mask), Layout::GENERAL)
     }
 
-    /// Storage buffer, loads only.
-    pub fn storage_buffer_read(stages: S) -> Self {
-        Self::new(stages, A::SHADER_STORAGE_READ, L::UNDEFINED)
+    /// A storage buffer that these shader stages load from.
+    pub const fn storage_buffer_read(stages: Stages) -> Self {
+        Self::new(stages, Mask::SHADER_STORAGE_READ, Layout::UNDEFINED)
     }
 
-    /// Storage buffer, stores only.
-    pub fn storage_buffer_write(stages: S) -> Self {
-        Self::new(stages, A::SHADER_STORAGE_WRITE, L::UNDEFINED)
+    /// A storage buffer that these shader stages store to.
+    pub const fn storage_buffer_write(stages: Stages) -> Self {
+        Self::new(stages, Mask::SHADER_STORAGE_WRITE, Layout::UNDEFINED)
     }
 
-    /// Storage buffer, loads and stores or atomics.
-    pub fn storage_buffer_read_write(stages: S) -> Self {
-        Self::new(stages, A::SHADER_STORAGE_READ | A::SHADER_STORAGE_WRITE, L::UNDEFINED)
+    /// A storage buffer that these shader stages load from and store to, or use atomics on.
+    pub const fn storage_buffer_read_write(stages: Stages) -> Self {
+        let mask = Mask::SHADER_STORAGE_READ.as_raw() | Mask::SHADER_STORAGE_WRITE.as_raw();
+        Self::new(stages, Mask::from_raw(mask), Layout::UNDEFINED)
     }
 
-    /// Uniform block.
-    pub fn uniform(stages: S) -> Self {
-        Self::new(stages, A::UNIFORM_READ, L::UNDEFINED)
+    /// A uniform buffer seen by these shader stages.
+    pub const fn uniform(stages: Stages) -> Self {
+        Self::new(stages, Mask::UNIFORM_READ, Layout::UNDEFINED)
     }
 
-    /// Parameters of indirect draws and dispatches.
-    pub fn indirect() -> Self {
-        Self::new(S::DRAW_INDIRECT, A::INDIRECT_COMMAND_READ, L::UNDEFINED)
+    /// A vertex buffer.
+    pub const fn vertex() -> Self {
+        Self::new(Stages::VERTEX_ATTRIBUTE_INPUT, Mask::VERTEX_ATTRIBUTE_READ, Layout::UNDEFINED)
     }
 
-    /// Vertex buffer.
-    pub fn vertex() -> Self {
-        Self::new(S::VERTEX_ATTRIBUTE_INPUT, A::VERTEX_ATTRIBUTE_READ, L::UNDEFINED)
+    /// An index buffer.
+    pub const fn index() -> Self {
+        Self::new(Stages::INDEX_INPUT, Mask::INDEX_READ, Layout::UNDEFINED)
     }
 
-    /// Index buffer.
-    pub fn index() -> Self {
-        Self::new(S::INDEX_INPUT, A::INDEX_READ, L::UNDEFINED)
+    /// Arguments or the count of an indirect draw or dispatch.
+    pub const fn indirect() -> Self {
+        Self::new(Stages::DRAW_INDIRECT, Mask::INDIRECT_COMMAND_READ, Layout::UNDEFINED)
+    }
+
+    /// Source of any transfer command. [`Access::copy_read`] and [`Access::blit_read`] wait for less.
+    pub const fn transfer_read() -> Self {
+        Self::new(Stages::ALL_TRANSFER, Mask::TRANSFER_READ, Layout::TRANSFER_SRC_OPTIMAL)
+    }
+
+    /// Destination of any transfer command. [`Access::copy_write`], [`Access::blit_write`] and [`Access::clear`] wait
+    /// for less.
+    pub const fn transfer_write() -> Self {
+        Self::new(Stages::ALL_TRANSFER, Mask::TRANSFER_WRITE, Layout::TRANSFER_DST_OPTIMAL)
     }
 
     /// Source of a copy.
-    pub fn transfer_read() -> Self {
-        Self::new(S::ALL_TRANSFER, A::TRANSFER_READ, L::TRANSFER_SRC_OPTIMAL)
+    pub const fn copy_read() -> Self {
+        Self::new(Stages::COPY, Mask::TRANSFER_READ, Layout::TRANSFER_SRC_OPTIMAL)
     }
 
-    /// Destination of a copy, a fill or a clear.
-    pub fn transfer_write() -> Self {
-        Self::new(S::ALL_TRANSFER, A::TRANSFER_WRITE, L::TRANSFER_DST_OPTIMAL)
+    /// Destination of a copy.
+    pub const fn copy_write() -> Self {
+        Self::new(Stages::COPY, Mask::TRANSFER_WRITE, Layout::TRANSFER_DST_OPTIMAL)
     }
 
-    /// Read by the host after the frame.
-    pub fn host_read() -> Self {
-        Self::new(S::HOST, A::HOST_READ, L::UNDEFINED)
+    /// Source of a blit.
+    pub const fn blit_read() -> Self {
+        Self::new(Stages::BLIT, Mask::TRANSFER_READ, Layout::TRANSFER_SRC_OPTIMAL)
     }
 
-    /// Whether it writes.
-    pub fn writes(&self) -> bool {
-        let writes = A::COLOR_ATTACHMENT_WRITE
-            | A::DEPTH_STENCIL_ATTACHMENT_WRITE
-            | A::SHADER_STORAGE_WRITE
-            | A::SHADER_WRITE
-            | A::TRANSFER_WRITE
-            | A::HOST_WRITE
-            | A::MEMORY_WRITE;
-        self.mask.intersects(writes)
+    /// Destination of a blit.
+    pub const fn blit_write() -> Self {
+        Self::new(Stages::BLIT, Mask::TRANSFER_WRITE, Layout::TRANSFER_DST_OPTIMAL)
+    }
+
+    /// Destination of a clear or a fill outside of rendering.
+    pub const fn clear() -> Self {
+        Self::new(Stages::CLEAR, Mask::TRANSFER_WRITE, Layout::TRANSFER_DST_OPTIMAL)
+    }
+
+    /// Memory that the host reads.
+    pub const fn host_read() -> Self {
+        Self::new(Stages::HOST, Mask::HOST_READ, Layout::GENERAL)
+    }
+
+    /// Memory that the host wrote.
+    pub const fn host_write() -> Self {
+        Self::new(Stages::HOST, Mask::HOST_WRITE, Layout::GENERAL)
+    }
+
+    /// An image that is shown in a window. The presentation's semaphore does the waiting.
+    pub const fn present() -> Self {
+        Self::new(Stages::NONE, Mask::NONE, Layout::PRESENT_SRC_KHR)
+    }
+
+    /// The part of the mask that writes.
+    pub fn writes(self) -> Mask {
+        self.mask & WRITES
+    }
+
+    /// The part of the mask that reads.
+    pub fn reads(self) -> Mask {
+        self.mask & !WRITES
+    }
+
+    /// Stages and masks of both; the layout of the first.
+    pub fn merge(self, other: Access) -> Access {
+        Access { stages: self.stages | other.stages, mask: self.mask | other.mask, layout: self.layout }
     }
 }
 
-impl ImageShape {
-    /// Aspects that the format has.
+impl super::description::ImageShape {
+    /// The aspects its format has.
     pub fn aspects(&self) -> vk::ImageAspectFlags {
-        use vk::ImageAspectFlags as Aspect;
         match self.format {
-            vk::Format::D16_UNORM | vk::Format::D32_SFLOAT | vk::Format::X8_D24_UNORM_PACK32 => Aspect::DEPTH,
-            vk::Format::S8_UINT => Aspect::STENCIL,
-            vk::Format::D16_UNORM_S8_UINT | vk::Format::D24_UNORM_S8_UINT | vk::Format::D32_SFLOAT_S8_UINT => {
-                Aspect::DEPTH | Aspect::STENCIL
+            vk::Format::D16_UNORM | vk::Format::X8_D24_UNORM_PACK32 | vk::Format::D32_SFLOAT => {
+                vk::ImageAspectFlags::DEPTH
             }
-            _ => Aspect::COLOR,
-        }
-    }
-}
-
-impl Range {
-    /// All of an image.
-    pub fn whole_image(shape: &ImageShape) -> Self {
-        Self::Image { aspects: shape.aspects(), mips: [0, shape.mips], layers: [0, shape.layers] }
-    }
-
-    /// Smallest block around two parts of one resource.
-    pub fn hull(self, other: Self) -> Self {
-        let around = |a: [u32; 2], b: [u32; 2]| [a[0].min(b[0]), a[1].max(b[1])];
-        match (self, other) {
-            (
-                Self::Image { aspects, mips, layers },
-                Self::Image { aspects: other_aspects, mips: other_mips, layers: other_layers },
-            ) => Self::Image {
-                aspects: aspects | other_aspects,
-                mips: around(mips, other_mips),
-                layers: around(layers, other_layers),
-            },
-            (Self::Buffer(a), Self::Buffer(b)) => Self::Buffer([a[0].min(b[0]), a[1].max(b[1])]),
-            (range, _) => range,
+            vk::Format::S8_UINT => vk::ImageAspectFlags::STENCIL,
+            vk::Format::D16_UNORM_S8_UINT | vk::Format::D24_UNORM_S8_UINT | vk::Format::D32_SFLOAT_S8_UINT => {
+                vk::ImageAspectFlags::DEPTH | vk::ImageAspectFlags::STENCIL
+            }
+            _ => vk::ImageAspectFlags::COLOR,
         }
     }
 }
