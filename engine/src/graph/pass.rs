@@ -448,7 +448,8 @@ impl<'g, 'f> RasterPass<'g, 'f> {
         if !first && (self.attachments.size != size || self.attachments.layers != layers) {
             let describe = |size: [u32; 2], layers| format!("{}×{} with {layers} layers", size[0], size[1]);
             let wrong = format!("is {}", describe(size, layers));
-            let allowed = format!("{}, as the attachment before", describe(self.attachments.size, self.attachments.layers));
+            let allowed =
+                format!("{}, as the attachment before", describe(self.attachments.size, self.attachments.layers));
             self.graph.mistake(Some(&self.collected.name), Some(slot), wrong, allowed);
         }
         (self.attachments.size, self.attachments.layers) = (size, layers);
