@@ -8,6 +8,7 @@ mod gltf;
 mod light;
 mod material;
 mod mesh;
+mod parallel;
 
 pub use camera::{Camera, Projection, View, depth};
 pub use light::{Light, LightKind};
