@@ -1,5 +1,6 @@
 //! Explicit Vulkan rendering with a render graph, made to answer visibility questions.
 #![deny(unsafe_code)]
+pub mod capture;
 pub mod error;
 pub mod frame;
 pub mod geometry;

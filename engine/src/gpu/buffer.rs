@@ -70,7 +70,9 @@ unsafe impl Send for Mapped {}
 
 impl Buffer {
     pub(super) fn new(device: Arc<Device>, info: &BufferInfo, raw: RawBuffer, heap: Option<Heap>) -> Self {
-        let mapped = raw.allocation.as_ref().and_then(|a| a.mapped_ptr()).map(|p| Mapped(p.cast()));
+        // Some devices map all their memory; what works on one is to work on all.
+        let allocation = raw.allocation.as_ref().filter(|_| info.memory != Memory::Device);
+        let mapped = allocation.and_then(|a| a.mapped_ptr()).map(|p| Mapped(p.cast()));
         Self(Arc::new(Inner {
             id: device.register("buffer", info.name),
             name: info.name.into(),

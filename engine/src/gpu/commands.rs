@@ -6,9 +6,9 @@ use std::time::Duration;
 
 use ash::vk;
 
-use super::Gpu;
 use super::device::{Device, c_string};
 use super::submit::Recorder;
+use super::{Gpu, messages};
 use crate::Result;
 
 /// A command buffer that is being recorded. Dropped without submission, it is recycled and nothing happens.
@@ -53,6 +53,7 @@ impl Commands {
     pub fn begin_label(&mut self, name: &str) {
         self.labels += 1;
         if let Some(debug) = &self.device.debug {
+            messages::label_begins(self.buffer, name);
             let name = c_string(name);
             // SAFETY: the command buffer is being recorded.
             unsafe {
@@ -68,6 +69,7 @@ impl Commands {
         }
         self.labels -= 1;
         if let Some(debug) = &self.device.debug {
+            messages::label_ends(self.buffer);
             // SAFETY: the command buffer is being recorded, and a label is open.
             unsafe { debug.cmd_end_debug_utils_label(self.buffer) };
         }
@@ -81,6 +83,7 @@ impl Commands {
 
 impl Drop for Commands {
     fn drop(&mut self) {
+        messages::recording_ends(self.buffer);
         if let Some(recorder) = self.recorder.take() {
             self.device.abandon(recorder);
         }

@@ -1,5 +1,6 @@
 //! Where validation messages go.
 
+use std::cell::RefCell;
 use std::ffi::{CStr, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
@@ -95,6 +96,31 @@ impl Messages {
     }
 }
 
+thread_local! {
+    /// Labels that are open in command buffers which this thread records, outermost first.
+    static RECORDING: RefCell<Vec<(vk::CommandBuffer, String)>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Notes that a label begins.
+pub(super) fn label_begins(buffer: vk::CommandBuffer, label: &str) {
+    RECORDING.with_borrow_mut(|r| r.push((buffer, label.into())));
+}
+
+/// Notes that the innermost label of a command buffer ends.
+pub(super) fn label_ends(buffer: vk::CommandBuffer) {
+    RECORDING.with_borrow_mut(|r| {
+        if let Some(at) = r.iter().rposition(|(b, _)| *b == buffer) {
+            r.remove(at);
+        }
+    });
+}
+
+/// Notes that nothing more is recorded into a command buffer.
+pub(super) fn recording_ends(buffer: vk::CommandBuffer) {
+    // On a thread that is ending there is nothing to note.
+    let _ = RECORDING.try_with(|r| r.borrow_mut().retain(|(b, _)| *b != buffer));
+}
+
 /// A layer older than the driver does not know the newer structures that the driver's own loader, or another layer,
 /// chains to a query, and reports them under the query's `…-pNext-pNext` identifier with these words. The structures
 /// are right; no other message is left out.
@@ -159,12 +185,19 @@ unsafe fn message_of(
             format!("{kind} {:?}", string(o.p_object_name))
         }
     };
+    let mut labels: Vec<String> = labels.iter().map(|l| string(l.p_label_name)).collect();
+    // Layer 1.3.239 lists each label twice.
+    labels.dedup();
+    if labels.is_empty() {
+        // It lists none with synchronisation hazards: those of what this thread is recording.
+        labels = RECORDING.with_borrow(|r| r.iter().rev().map(|(_, label)| label.clone()).collect());
+    }
     Some(Message {
         severity,
         id_name,
         text: string(data.p_message),
         objects: objects.iter().map(object).collect(),
-        labels: labels.iter().map(|l| string(l.p_label_name)).collect(),
+        labels,
     })
 }
 

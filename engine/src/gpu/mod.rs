@@ -62,6 +62,8 @@ use device::{Device, c_string};
 /// A Vulkan device and all that the engine keeps for it.
 pub struct Gpu {
     device: Arc<Device>,
+    /// `close` has said and done all that dropping would.
+    closed: bool,
 }
 
 impl Gpu {
@@ -118,15 +120,11 @@ impl Gpu {
     /// # Errors
     /// [`crate::Error::Invalid`] naming every object that still lives (plain dropping logs the same);
     /// [`crate::Error::DeviceLost`]; [`crate::Error::Io`] where the pipeline cache cannot be written.
-    pub fn close(self) -> Result<()> {
+    pub fn close(mut self) -> Result<()> {
         let (waited, saved) = (self.wait_idle(), self.save_pipeline_cache());
         let live = self.device.live_objects();
-        // `Drop` would say and do it all again.
-        let device = Arc::clone(&self.device);
-        std::mem::forget(self);
-        // SAFETY: `forget` kept one count, which is given back here.
-        unsafe { Arc::decrement_strong_count(Arc::as_ptr(&device)) };
-        drop(device);
+        self.closed = true;
+        drop(self);
         waited?;
         leaks(&live)?;
         saved
@@ -135,6 +133,9 @@ impl Gpu {
 
 impl Drop for Gpu {
     fn drop(&mut self) {
+        if self.closed {
+            return;
+        }
         if let Err(e) = self.wait_idle() {
             log::error!("{e}");
         }

@@ -58,7 +58,7 @@ impl Gpu {
             pipeline_cache: options.pipeline_cache,
             owned: Some(Owned { messenger: opened.debug }),
         })?;
-        Ok(Gpu { device })
+        Ok(Gpu { device, closed: false })
     }
 
     /// Uses an application's own device, which is not destroyed at the end. Validation messages go where the
@@ -98,7 +98,7 @@ impl Gpu {
             pipeline_cache: raw.pipeline_cache,
             owned: None,
         })?;
-        Ok(Gpu { device })
+        Ok(Gpu { device, closed: false })
     }
 }
 

@@ -8,8 +8,10 @@ use super::description::{
     Access, Description, ImageShape, Origin, Pass, PassId, Queue, Range, Resource, ResourceId, Root, Shape, Source,
     Use, Version, VersionId,
 };
+use super::errors::{ErrorKind, GraphError, GraphErrors};
 use super::handle::{BufferHandle, Handle, ImageHandle};
 use super::pass::{ComputePass, RasterPass, Work};
+use super::plan::{DeviceModel, Plan, plan};
 use crate::gpu::{Buffer, Caps, Image};
 use crate::shader::{Program, Shader};
 
@@ -25,7 +27,7 @@ pub struct Graph<'f> {
     /// Bytes for uniform and constant bindings of this frame.
     pub(super) arena: Arena,
     /// Mistakes that the typed layer saw.
-    pub(super) mistakes: Vec<String>,
+    pub(super) mistakes: Vec<GraphError>,
 }
 
 /// An imported resource.
@@ -165,6 +167,20 @@ impl<'f> Graph<'f> {
             Work::Clear { resource: next.resource, range: next.range, value },
         );
         next
+    }
+
+    /// Plans the frame for a device.
+    ///
+    /// # Errors
+    /// All that is wrong with it, at once.
+    pub fn compile(&self, device: &dyn DeviceModel) -> Result<Plan, GraphErrors> {
+        let planned = plan(&self.description, device);
+        if self.mistakes.is_empty() {
+            return planned;
+        }
+        let mut errors = self.mistakes.clone();
+        errors.extend(planned.err().map(|more| more.errors).unwrap_or_default());
+        Err(GraphErrors { graph: self.description.name.clone(), errors })
     }
 
     /// Takes an image apart into its array layers, which can then be written in any order.
@@ -315,8 +331,14 @@ impl<'f> Graph<'f> {
 
     fn check_owner(&mut self, slot: &str, handle: &impl Handle) {
         if handle.graph() != self.id {
-            self.mistakes
-                .push(format!("`{slot}` is a handle of another graph: make it anew in `{}`", self.description.name));
+            let allowed = format!("handles that `{}` gave", self.description.name);
+            self.mistake(None, Some(slot), "is a handle of another graph".into(), allowed);
         }
+    }
+
+    /// Notes something wrong, to be told by [`Graph::compile`].
+    pub(super) fn mistake(&mut self, pass: Option<&str>, slot: Option<&str>, wrong: String, allowed: String) {
+        let (pass, slot) = (pass.map(Into::into), slot.map(Into::into));
+        self.mistakes.push(GraphError { kind: ErrorKind::Binding, pass, slot, resource: None, wrong, allowed });
     }
 }

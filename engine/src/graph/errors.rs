@@ -68,6 +68,8 @@ pub enum ErrorKind {
     BadImport,
     /// Passes that wait for one another in a circle.
     Cycle,
+    /// A binding or an attachment that a shader lacks or that was left out, or a handle of another graph.
+    Binding,
 }
 
 impl fmt::Display for GraphErrors {

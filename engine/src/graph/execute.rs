@@ -364,13 +364,16 @@ impl DeviceModel for Gpu {
     }
 
     fn requirements(&self, shape: &Shape, usage: Usage) -> plan::Requirements {
-        let Requirements { size, alignment, type_bits } = match (shape, usage) {
+        let asked = match (shape, usage) {
             (Shape::Image(shape), Usage::Image(usage)) => self.image_requirements(&image_info("", shape, usage)),
             (&Shape::Buffer { size }, Usage::Buffer(usage)) => {
                 self.buffer_requirements(&BufferInfo { name: "", size, usage, memory: Memory::Device })
             }
-            _ => Requirements { size: 0, alignment: 1, type_bits: 0 },
+            _ => return plan::Requirements { size: 0, alignment: 1, type_bits: 0 },
         };
+        // What the device cannot make at all is found again, with its name, where the frame makes it.
+        let none = Requirements { size: 0, alignment: 1, type_bits: 0 };
+        let Requirements { size, alignment, type_bits } = asked.unwrap_or(none);
         plan::Requirements { size, alignment, type_bits }
     }
 
@@ -498,7 +501,7 @@ fn captured_layout(shape: &Shape, range: Range) -> (Shape, Vec<u64>, Vec<u64>, u
         (Shape::Image(shape), Range::Image { mips, layers, .. }) => {
             let at_mip = |mip: u32| shape.extent.map(|size| (size >> mip).max(1));
             let count = layers[1] - layers[0];
-            let texel = FormatInfo::of(shape.format).map_or(16, |info| u64::from(info.bytes));
+            let texel = FormatInfo::of(shape.format).map_or(16, |info| u64::from(info.block_bytes));
             let (mut offsets, mut sizes, mut size) = (Vec::new(), Vec::new(), 0);
             for mip in mips[0]..mips[1] {
                 let layer = at_mip(mip).iter().map(|&s| u64::from(s)).product::<u64>() * texel;
@@ -600,7 +603,7 @@ impl Timer {
     fn times(&self, names: Vec<String>) -> Result<Vec<PassTime>> {
         let Some(pool) = &self.pool else { return Ok(Vec::new()) };
         let marks = pool.nanoseconds()?;
-        let time = |(i, name)| {
+        let time = |(i, name): (usize, String)| {
             let (start, end) = (marks.get(2 * i).copied().flatten()?, marks.get(2 * i + 1).copied().flatten()?);
             Some(PassTime { name, seconds: (end - start).max(0.0) * 1e-9 })
         };

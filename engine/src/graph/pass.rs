@@ -132,11 +132,8 @@ impl Collected {
         let found = self.table.iter().find(|(b, ..)| slot.set == 0 && b.binding == slot.binding && b.name == slot.name);
         if found.is_none() {
             let known: Vec<_> = self.table.iter().map(|(b, ..)| format!("`{}`", b.name)).collect();
-            let known = known.join(", ");
-            graph.mistakes.push(format!(
-                "pass `{}` binds `{}`, which its shaders do not have; they have {known}",
-                self.name, slot.name
-            ));
+            let wrong = "is bound, but the pass's shaders do not have it".into();
+            graph.mistake(Some(&self.name), Some(slot.name), wrong, known.join(", "));
         }
         found.map(|&(binding, stages, _)| (binding, stages))
     }
@@ -191,8 +188,8 @@ impl Collected {
         for (binding, _, file) in &self.table {
             let count = self.bound.iter().filter(|bound| bound.binding.binding == binding.binding).count();
             if count != 1 {
-                let what = if count == 0 { "leaves unbound" } else { "binds more than once" };
-                graph.mistakes.push(format!("pass `{}` {what} `{}` of {file}", self.name, binding.name));
+                let wrong = format!("is bound {count} times; {file} has it");
+                graph.mistake(Some(&self.name), Some(binding.name), wrong, "once".into());
             }
         }
         (self.name, self.uses, self.bound)
@@ -324,12 +321,9 @@ impl<'g, 'f> ComputePass<'g, 'f> {
         let Self { graph, collected, shader, constants, push } = self;
         let expected = shader.push.map_or(0, |block| block.size as usize);
         if push.len() != expected {
-            graph.mistakes.push(format!(
-                "pass `{}` pushes {} bytes, {} takes {expected}",
-                collected.name,
-                push.len(),
-                shader.file
-            ));
+            let wrong = format!("{} bytes are pushed", push.len());
+            let allowed = format!("{expected} bytes, as {} takes", shader.file);
+            graph.mistake(Some(&collected.name), Some("push constants"), wrong, allowed);
         }
         let (name, uses, bound) = collected.finish(graph);
         graph.push_pass(name, Queue::Compute, uses, Work::Compute { shader, constants, bound, push, groups });
@@ -404,18 +398,20 @@ impl<'g, 'f> RasterPass<'g, 'f> {
         let Self { graph, collected, programs, targets, attachments } = self;
         let name = &collected.name;
         if attachments.size == [0; 2] {
-            graph.mistakes.push(format!("pass `{name}` has no attachment"));
+            graph.mistake(Some(name), None, "has no attachment".into(), "colour or depth".into());
         }
         for program in &programs {
             for output in program.fragment.map_or(&[][..], |shader| shader.outputs) {
                 if output.location as usize >= attachments.color.len() {
                     let file = program.fragment.map_or("", |shader| shader.file);
-                    graph.mistakes.push(format!("pass `{name}` has no attachment for `{}` of {file}", output.name));
+                    let wrong = format!("has no attachment; {file} writes it");
+                    graph.mistake(Some(name), Some(output.name), wrong, format!("location {}", output.location));
                 }
             }
         }
         if let Some(gap) = attachments.color.iter().position(Option::is_none) {
-            graph.mistakes.push(format!("pass `{name}` has no attachment for location {gap}, but for a higher one"));
+            let wrong = format!("has no attachment for location {gap}, but for a higher one");
+            graph.mistake(Some(name), None, wrong, "locations from 0 without a gap".into());
         }
         let (name, uses, bound) = collected.finish(graph);
         let work = Work::Raster { programs, targets, attachments, bound, draw: Box::new(draw) };
@@ -450,15 +446,11 @@ impl<'g, 'f> RasterPass<'g, 'f> {
         let (size, layers) = (handle.size(), handle.layers()[1] - handle.layers()[0]);
         let first = self.attachments.size == [0; 2];
         if !first && (self.attachments.size != size || self.attachments.layers != layers) {
-            self.graph.mistakes.push(format!(
-                "attachment `{slot}` of pass `{}` is {}×{} with {layers} layers; those before are {}×{} with {}",
-                self.collected.name,
-                size[0],
-                size[1],
-                self.attachments.size[0],
-                self.attachments.size[1],
-                self.attachments.layers,
-            ));
+            let describe = |size: [u32; 2], layers| format!("{}×{} with {layers} layers", size[0], size[1]);
+            let wrong = format!("is {}", describe(size, layers));
+            let allowed =
+                format!("{}, as the attachment before", describe(self.attachments.size, self.attachments.layers));
+            self.graph.mistake(Some(&self.collected.name), Some(slot), wrong, allowed);
         }
         (self.attachments.size, self.attachments.layers) = (size, layers);
     }

@@ -47,11 +47,16 @@ impl Bounds {
 
     /// Where a ray enters, if it passes through within `near..far`.
     fn entry(&self, origin: DVec3, inverse: DVec3, near: f64, far: f64) -> Option<f64> {
-        // 0 · ∞ is NaN where a ray runs inside a face plane; `min` and `max` then keep the other operand.
         const ROUNDING: f64 = 1.0 + 4.0 * f64::EPSILON;
         let (a, b) = ((self.min - origin) * inverse, (self.max - origin) * inverse);
-        let enter = a.x.min(b.x).max(a.y.min(b.y)).max(a.z.min(b.z)).max(near);
-        let leave = (a.x.max(b.x)).min(a.y.max(b.y)).min(a.z.max(b.z)) * ROUNDING;
+        let (mut low, mut high) = (a.min(b), a.max(b));
+        // 0 · ∞: a ray within the plane of a face does not leave the slab.
+        let within = a.is_nan_mask() | b.is_nan_mask();
+        if within.any() {
+            low = DVec3::select(within, DVec3::NEG_INFINITY, low);
+            high = DVec3::select(within, DVec3::INFINITY, high);
+        }
+        let (enter, leave) = (low.max_element().max(near), high.min_element() * ROUNDING);
         (enter <= leave.min(far)).then_some(enter)
     }
 }

@@ -41,7 +41,7 @@ pub struct Picture {
     pub pixels: Vec<Pixel>,
 }
 
-/// When a pixel is near an edge: rays at this distance from its centre, diagonally, see another triangle; or an edge
+/// When a pixel is near an edge: one of eight rays at this distance around its centre sees another triangle; or an edge
 /// of the triangle seen passes at that distance; or another surface lies this near in depth; or the alpha of a `MASK`
 /// surface, seen or looked through, is this near its cutoff.
 #[derive(Clone, Copy, Debug)]
@@ -172,12 +172,13 @@ fn near_edge(
         return true;
     }
 
-    // 3. Other triangles around
-    let d = tolerance.pixels * std::f64::consts::FRAC_1_SQRT_2;
+    // 3. Other triangles around, in directions that no axis or diagonal has
     let triangle = hit.map(|h| h.triangle);
-    [[d, d], [-d, d], [d, -d], [-d, -d]]
-        .iter()
-        .any(|&offset| scene.closest(&camera.ray(x, y, offset), Rule::CAMERA).map(|h| h.triangle) != triangle)
+    (0..8).any(|k| {
+        let (sin, cos) = ((f64::from(k) + 0.25) * std::f64::consts::FRAC_PI_4).sin_cos();
+        let probe = camera.ray(x, y, [tolerance.pixels * cos, tolerance.pixels * sin]);
+        scene.closest(&probe, Rule::CAMERA).map(|h| h.triangle) != triangle
+    })
 }
 
 impl Picture {

@@ -11,3 +11,6 @@ pub mod scene;
 pub mod shadow;
 pub mod surface;
 pub mod texture;
+
+#[cfg(test)]
+mod tests;

@@ -9,7 +9,7 @@
 //! - `BLEND` materials are left out by both [`Rule`]s: they are not among the first opaque surfaces, and cast no shadow.
 //! - Triangles without area are dropped.
 //! - The test of a ray against an edge gives exactly opposite values for the two triangles that share it, so no ray
-//!   slips through between them. A camera ray *on* an edge hits by the top-left rule; any other ray hits.
+//!   slips through between them (at a vertex, rounding might let one). A camera ray *on* an edge hits by the top-left rule; any other ray hits.
 //! - Of surfaces at equal distance the one with the lower triangle number is seen.
 
 use std::ops::ControlFlow;

@@ -5,8 +5,8 @@
 //! names as `SHADERC_LIB_DIR`.
 
 use crate::failure::{Failure, Result};
-use crate::packages;
 use crate::workspace::{Workspace, make_folder, write};
+use crate::{packages, shell};
 use std::fmt::Write as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -40,13 +40,23 @@ pub fn merge(workspace: &Workspace) -> Result<()> {
     let parts = find_parts(&files)?;
     let stamp = stamp(&parts)?;
     let folder = workspace.shaderc();
-    if folder.join(ARCHIVE).exists() && fs::read_to_string(folder.join(STAMP)).is_ok_and(|old| old == stamp) {
+    let exists = folder.join(ARCHIVE).exists();
+    if exists && fs::read_to_string(folder.join(STAMP)).is_ok_and(|old| old == stamp) {
         return Ok(());
     }
     make_folder(&folder)?;
     run_ar(&folder, &ar_script(&parts))?;
     let (from, to) = (folder.join(TEMPORARY), folder.join(ARCHIVE));
     fs::rename(&from, &to).map_err(|error| Failure::io("write", &to, &error))?;
+    if exists {
+        // The crate has copied the old archive and does not see that it has changed.
+        for profile in ["dev", "release"] {
+            shell::run(&mut shell::cargo(
+                &workspace.root,
+                &["clean", "--quiet", "--package", "shaderc-sys", "--profile", profile],
+            ))?;
+        }
+    }
     write(&folder.join(STAMP), &stamp)?;
     println!("shaderc: merged {} archives into {}", parts.len(), to.display());
     Ok(())

@@ -42,11 +42,11 @@ struct Tally {
 /// Sets up, then runs the tests.
 pub fn test(workspace: &Workspace, options: &TestOptions) -> Result<()> {
     setup(workspace)?;
-    run(workspace, options).map(|_| ())
+    run(workspace, options)
 }
 
-/// Runs the tests; gives the tests that were skipped, a line each.
-pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<Vec<String>> {
+/// Runs the tests, and says what ran and what was skipped.
+pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<()> {
     let driver = options.driver.unwrap_or_else(default_driver);
     let skipped = SkipList::new(workspace, driver);
     let mut command = shell::cargo(&workspace.root, &["test", "--workspace", "--no-fail-fast", "--"]);
@@ -79,11 +79,12 @@ pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<Vec<String>> 
     if tally.passed == 0 {
         return Err(Failure::Failed("no test ran: no name contains the filter".to_owned()));
     }
-    Ok(skipped)
+    Ok(())
 }
 
-/// The scene folder the tests read, where there is one.
-pub fn scenes(workspace: &Workspace) -> Option<PathBuf> {
+/// The folder of scenes beside the checkout or named by the user. Where tests are told one, a scene that it lacks is a
+/// failure.
+fn scenes(workspace: &Workspace) -> Option<PathBuf> {
     if let Some(folder) = env::var_os("SHADOWGRAPH_SCENES") {
         return Some(PathBuf::from(folder));
     }
@@ -109,7 +110,7 @@ fn set_environment(command: &mut Command, workspace: &Workspace, driver: Driver,
     Ok(())
 }
 
-/// The file to which a test that cannot run adds its line: `scene` or `feature`, a tab, the test, a tab, the reason.
+/// The file to which a test that cannot run adds a line: its name, a colon, and the reason.
 struct SkipList {
     path: PathBuf,
 }
