@@ -11,6 +11,7 @@ mod light;
 mod light_buffer;
 mod material;
 mod mesh;
+mod parallel;
 mod upload;
 mod view_set;
 
