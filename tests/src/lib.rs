@@ -6,6 +6,7 @@
 pub mod compare;
 pub mod exr_file;
 pub mod harness;
+pub mod hazard;
 pub mod parallel;
 pub mod tiny;
 pub mod twin;
