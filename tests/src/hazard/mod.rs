@@ -26,6 +26,6 @@ mod record;
 mod replay;
 
 pub use device::MadeUpDevice;
-pub use draft::Draft;
+pub use draft::{Draft, PassDraft};
 pub use generate::{Recipe, recipes};
 pub use replay::check;

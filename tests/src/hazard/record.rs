@@ -24,7 +24,8 @@ const PIPELINE: [Stages; 11] = [
 /// Single stages that a mask stands for.
 pub fn single(stages: Stages) -> StageSet {
     if stages.contains(Stages::ALL_COMMANDS) {
-        return StageSet::MAX;
+        // The host runs no commands.
+        return StageSet::MAX & !Stages::HOST.as_raw();
     }
     let mut set = stages.as_raw();
     if stages.contains(Stages::ALL_TRANSFER) {

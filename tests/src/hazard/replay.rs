@@ -283,8 +283,16 @@ impl Replay<'_> {
             Work::Pass(pass) => {
                 let pass = &description.passes[pass.0 as usize];
                 let who = format!("pass `{}`", pass.name);
-                for used in &pass.uses {
+                for (index, used) in pass.uses.iter().enumerate() {
                     self.hold_against(used, &who, queue);
+                    for other in &pass.uses[..index] {
+                        let [a, b] = [used, other].map(|used| description.versions[used.version.0 as usize].resource);
+                        let writes = used.makes.is_some() || other.makes.is_some();
+                        if writes && self.sharers[a.0 as usize].contains(&b) {
+                            let what = format!("{who}: `{}` shares memory with `{}`", self.name(a), self.name(b));
+                            self.errors.push(what);
+                        }
+                    }
                 }
                 for used in &pass.uses {
                     self.leave(used, &who, queue, batch);

@@ -150,6 +150,7 @@ fn between(
     let hazard = match (prev.write, next.write) {
         _ if ownership.is_some() => Hazard::Ownership,
         _ if next.first == At::END => Hazard::Final,
+        _ if prev.first == At::START && prev.access == Access::NONE && is_image => Hazard::First,
         (true, false) => Hazard::ReadAfterWrite,
         (true, true) => Hazard::WriteAfterWrite,
         (false, true) => Hazard::WriteAfterRead,
@@ -181,11 +182,11 @@ fn between(
     } else if transition || prev.write {
         push(next.first, false, kind);
         visible.clear();
-    } else if next.reads && !seen(next.access.reads()) {
+    } else if next.reads && !next.access.reads().is_empty() && !seen(next.access.reads()) {
         // Made available by what made the earlier readers see it.
         let to = Access { mask: next.access.reads(), ..next.access };
         push(next.first, false, Kind { to, ..kind });
-    } else if next.write {
+    } else if next.write && !prev.access.stages.is_empty() {
         let (from, to) = (execution(from), execution(next.access));
         push(next.first, false, Kind { scope: Scope::Memory, from, to, ..kind });
     }

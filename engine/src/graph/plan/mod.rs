@@ -24,6 +24,8 @@ pub use output::{
 };
 pub use reason::{CullReason, Hazard, Reason};
 
+use std::collections::HashMap;
+
 use ash::vk::ImageLayout as Layout;
 
 use self::barriers::Context;
@@ -145,17 +147,26 @@ fn show_host(plan: &mut Plan) {
 
 /// Takes out dependencies that follow from others, queue by queue.
 fn drop_redundant(plan: &mut Plan) {
-    let mut places: std::collections::HashMap<Work, (Queue, u32)> = std::collections::HashMap::new();
+    let mut places: HashMap<Work, (Queue, u32)> = HashMap::new();
     let mut ordered = [redundant::Ordered::default(), redundant::Ordered::default(), redundant::Ordered::default()];
     let mut counts = [0; 3];
     for step in &mut plan.steps {
         let queue = step.queue as usize;
-        let last = |work: Work| places.get(&work).filter(|place| place.0 == step.queue).map(|place| place.1);
         if !step.barriers.is_empty() {
-            ordered[queue].filter(&mut step.barriers, counts[queue], last);
+            ordered[queue].filter(&mut step.barriers, counts[queue], |work| place(&places, step.queue, work));
         }
         counts[queue] += 1;
         places.insert(step.work, (step.queue, counts[queue]));
+    }
+    let graphics = Queue::Graphics;
+    ordered[0].filter(&mut plan.finally, counts[0], |work| place(&places, graphics, work));
+}
+
+/// Where some work stands on a queue, from 1 on; 0 is what came before the frame, all of it on graphics.
+fn place(places: &HashMap<Work, (Queue, u32)>, queue: Queue, work: Option<Work>) -> Option<u32> {
+    match work {
+        None => (queue == Queue::Graphics).then_some(0),
+        Some(work) => places.get(&work).filter(|place| place.0 == queue).map(|place| place.1),
     }
 }
 

@@ -6,7 +6,7 @@
 
 use ash::vk::{AccessFlags2 as Mask, PipelineStageFlags2 as Stages};
 
-use super::{Barriers, MemoryBarrier, Work};
+use super::{Barriers, MemoryBarrier, Ownership, Work};
 use crate::graph::description::Access;
 
 /// Stages in the order that the graphics pipeline goes through them, then those outside of it.
@@ -35,9 +35,13 @@ const COUNT: usize = STAGES.len();
 /// Stages of the graphics pipeline.
 const PIPELINE: usize = 11;
 
+/// Whether scopes hold all of other scopes.
+fn holds(a: &Access, b: &Access) -> bool {
+    set(b.stages) & !set(a.stages) == 0 && a.mask.contains(b.mask)
+}
+
 /// Takes out memory barriers that do less than another one of the same call.
 fn subsumed(barriers: &mut Vec<MemoryBarrier>) {
-    let holds = |a: &Access, b: &Access| a.stages.contains(b.stages) && a.mask.contains(b.mask);
     let mut kept: Vec<MemoryBarrier> = Vec::with_capacity(barriers.len());
     for barrier in barriers.drain(..) {
         if kept.iter().any(|other| holds(&other.from, &barrier.from) && holds(&other.to, &barrier.to)) {
@@ -89,8 +93,8 @@ fn with_later(set: Set) -> Set {
     set | first.map_or(0, |first| pipeline & !((1 << first) - 1)) | compute
 }
 
-/// What is ordered on one queue: `done[a][b]` steps, from the queue's first on, have all their work in stage `a` done
-/// before any later work in stage `b` begins.
+/// What is ordered on one queue: before any later work in stage `b` begins, `done[a][b] - 1` steps, from the queue's
+/// first on, have all their work in stage `a` done, and where it is not 0, so has what came before the frame.
 #[derive(Clone, Default)]
 pub(super) struct Ordered {
     done: [[u32; COUNT]; COUNT],
@@ -98,9 +102,17 @@ pub(super) struct Ordered {
 
 impl Ordered {
     /// Takes out what follows from other barriers, and remembers what the rest orders. `step`: how many steps of the
-    /// queue stand before; `last`: at which place of the queue some work stands (1 for the first).
-    pub(super) fn filter(&mut self, barriers: &mut Barriers, step: u32, last: impl Fn(Work) -> Option<u32>) {
+    /// queue stand before; `last`: at which place of the queue some work stands, 1 for the first step, 0 for what came
+    /// before the frame.
+    pub(super) fn filter(&mut self, barriers: &mut Barriers, step: u32, last: impl Fn(Option<Work>) -> Option<u32>) {
         subsumed(&mut barriers.memory);
+        let Barriers { images, buffers, memory } = barriers;
+        let covered = |from: &Access, to: &Access, ownership: &Option<Ownership>| {
+            let same = from.layout == to.layout && ownership.is_none();
+            same && memory.iter().any(|barrier| holds(&barrier.from, from) && holds(&barrier.to, to))
+        };
+        images.retain(|barrier| !covered(&barrier.from, &barrier.to, &barrier.ownership));
+        buffers.retain(|barrier| !covered(&barrier.from, &barrier.to, &barrier.ownership));
         let known = self.clone();
         let mut apply = |from: &Access, to: &Access| self.apply(&known, from.stages, to.stages, step);
         barriers.images.iter().for_each(|barrier| apply(&barrier.from, &barrier.to));
@@ -111,7 +123,7 @@ impl Ordered {
             if strong(&&*barrier) {
                 return true;
             }
-            if let Some(before) = barrier.reason.before.and_then(&last) {
+            if let Some(before) = last(barrier.reason.before) {
                 barrier.from.stages = self.missing(barrier.from.stages, barrier.to.stages, before);
             }
             let keep = !barrier.from.stages.is_empty();
@@ -126,7 +138,7 @@ impl Ordered {
         let (from, to) = (with_earlier(set(from)), with_later(set(to)));
         for a in 0..COUNT - 1 {
             let chained = members(from).map(|via| known.done[a][via]).max().unwrap_or(0);
-            let done = if from & (1 << a) != 0 { step } else { chained };
+            let done = if from & (1 << a) != 0 { step + 1 } else { chained };
             for b in members(to) {
                 self.done[a][b] = self.done[a][b].max(done);
             }
@@ -136,7 +148,7 @@ impl Ordered {
     /// The first stages that some second stage does not wait for yet, up to the place `before`.
     fn missing(&self, from: Stages, to: Stages, before: u32) -> Stages {
         let to = set(to);
-        let ordered = |a: usize| members(to).all(|b| a < COUNT - 1 && self.done[a][b] >= before);
+        let ordered = |a: usize| members(to).all(|b| a < COUNT - 1 && self.done[a][b] > before);
         let single = STAGES.iter().enumerate().filter(|(a, stage)| !stage.is_empty() && ordered(*a));
         let done = single.fold(Stages::NONE, |all, (_, stage)| all | *stage);
         let rest = from & !done;
