@@ -50,15 +50,16 @@ impl DeviceModel for MadeUpDevice {
         self.families[queue as usize]
     }
 
-    /// Four bytes a texel, all mips as large as the first.
+    /// Four bytes a texel, all mips as large as the first; whole multiples of the alignment, as drivers say.
     fn requirements(&self, shape: &Shape, _usage: Usage) -> Requirements {
         match shape {
             Shape::Image(shape) => {
                 let [width, height, depth] = shape.extent;
                 let texels = u64::from(width) * u64::from(height) * u64::from(depth);
                 let depth = !shape.aspects().contains(vk::ImageAspectFlags::COLOR);
+                let size = texels * 4 * u64::from(shape.layers) * u64::from(shape.mips) * u64::from(shape.samples);
                 Requirements {
-                    size: texels * 4 * u64::from(shape.layers) * u64::from(shape.mips) * u64::from(shape.samples),
+                    size: size.next_multiple_of(self.image_alignment),
                     alignment: self.image_alignment,
                     type_bits: self.type_bits[usize::from(depth)],
                 }

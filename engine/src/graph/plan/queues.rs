@@ -88,14 +88,17 @@ pub(super) fn batches(schedule: &Schedule, mut crossings: Vec<Crossing>, hand_ov
     let mut open: [Option<usize>; 3] = [None; 3];
     let mut begun = [0; 3];
     let mut waited = [[0; 3]; 3];
+    // By queue and batch: what its queue had waited for when it began.
+    let mut known: [Vec<[u64; 3]>; 3] = Default::default();
     // By step: the value its queue signals behind it.
     let mut values = vec![0; steps];
-    let begin = |queue: Queue, begun: &mut [u64; 3], waits: Vec<Wait>| {
+    let begin = |queue: Queue, begun: &mut [u64; 3], known: &mut [Vec<[u64; 3]>; 3], waited: [u64; 3], waits| {
         begun[queue as usize] += 1;
+        known[queue as usize].push(waited);
         Batch { queue, steps: Vec::new(), waits, release: Barriers::default(), signal: begun[queue as usize] }
     };
     if !hand_over.is_empty() {
-        batches.push(begin(Queue::Graphics, &mut begun, Vec::new()));
+        batches.push(begin(Queue::Graphics, &mut begun, &mut known, [0; 3], Vec::new()));
     }
     let mut crossings = crossings.into_iter().peekable();
     for step in 0..=steps {
@@ -113,26 +116,19 @@ pub(super) fn batches(schedule: &Schedule, mut crossings: Vec<Crossing>, hand_ov
             needed = begun;
             needed[0] = 0;
         }
-        let mut waits = Vec::new();
-        for other in QUEUES {
-            let known = &mut waited[queue as usize][other as usize];
-            if needed[other as usize] > *known {
-                *known = needed[other as usize];
-                waits.push(Wait { queue: other, value: *known, stages: Stages::ALL_COMMANDS });
-            }
-        }
+        let waits = waits(needed, &mut waited[queue as usize], &known);
         let place = match open[queue as usize] {
             Some(place) if waits.is_empty() => place,
             _ if step == steps && waits.is_empty() && batches.last().is_some_and(|last| last.queue == queue) => break,
             _ => {
-                batches.push(begin(queue, &mut begun, waits));
+                batches.push(begin(queue, &mut begun, &mut known, waited[queue as usize], waits));
                 batches.len() - 1
             }
         };
         if step == steps {
             // Its place is behind all others.
             if place + 1 != batches.len() {
-                batches.push(begin(queue, &mut begun, Vec::new()));
+                batches.push(begin(queue, &mut begun, &mut known, waited[queue as usize], Vec::new()));
             }
             break;
         }
@@ -141,4 +137,24 @@ pub(super) fn batches(schedule: &Schedule, mut crossings: Vec<Crossing>, hand_ov
         open[queue as usize] = (!signals[step]).then_some(place);
     }
     batches
+}
+
+/// Waits for the values needed that are not waited for yet, by this queue or by a batch that it waits for.
+fn waits(needed: [u64; 3], waited: &mut [u64; 3], known: &[Vec<[u64; 3]>; 3]) -> Vec<Wait> {
+    let missing = QUEUES.into_iter().filter(|queue| needed[*queue as usize] > waited[*queue as usize]);
+    let missing: Vec<Queue> = missing.collect();
+    let knows = |other: Queue| known[other as usize][needed[other as usize] as usize - 1];
+    let waits = missing.iter().filter(|&&queue| {
+        let mut others = missing.iter().filter(|&&other| other != queue);
+        !others.any(|&other| knows(other)[queue as usize] >= needed[queue as usize])
+    });
+    let wait = |&queue: &Queue| Wait { queue, value: needed[queue as usize], stages: Stages::ALL_COMMANDS };
+    let waits: Vec<Wait> = waits.map(wait).collect();
+    for &other in &missing {
+        for queue in 0..3 {
+            waited[queue] = waited[queue].max(knows(other)[queue]);
+        }
+        waited[other as usize] = waited[other as usize].max(needed[other as usize]);
+    }
+    waits
 }
