@@ -365,6 +365,7 @@ impl Writes {
             if !image.is_of(device) {
                 return Err(image.invalid("it is of another device"));
             }
+            check_image(binding, image, view)?;
             Ok(vk::DescriptorImageInfo { image_view: image.view(view)?, image_layout: layout, sampler })
         };
         let index = match (binding.kind, given) {
@@ -414,6 +415,31 @@ impl Writes {
         // SAFETY: a set that nothing uses yet; live objects of the kinds that its layout has.
         unsafe { device.raw.update_descriptor_sets(&writes, &[]) };
     }
+}
+
+/// Whether a view of an image is what the shader takes it for.
+fn check_image(binding: &Binding, image: &Image, view: &ViewInfo) -> Result<()> {
+    let Some(wanted) = binding.image else { return Ok(()) };
+    let info = image.info();
+    let format = if view.format == vk::Format::UNDEFINED { info.format } else { view.format };
+    let usage = if binding.kind == BindingKind::StorageImage {
+        vk::ImageUsageFlags::STORAGE
+    } else {
+        vk::ImageUsageFlags::SAMPLED
+    };
+    let why = if view.kind != wanted.view {
+        format!("it is viewed as {:?}, the shader takes {:?}", view.kind, wanted.view)
+    } else if (info.samples > 1) != wanted.multisampled {
+        let shader = if wanted.multisampled { "several" } else { "one" };
+        format!("it has {} samples a texel, the shader takes {shader}", info.samples)
+    } else if wanted.format != vk::Format::UNDEFINED && wanted.format != format {
+        format!("it is viewed as {format:?}, the shader takes {:?}", wanted.format)
+    } else if !info.usage.contains(usage) {
+        format!("it was made without the usage {usage:?}")
+    } else {
+        return Ok(());
+    };
+    Err(image.invalid(why))
 }
 
 /// Whether a part of a buffer can be bound.
