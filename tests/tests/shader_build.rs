@@ -265,10 +265,7 @@ fn specialization_constants_have_types_and_defaults() {
     let (shader, blocks) = reflect("a.comp", Stage::Compute, &text);
     assert_eq!(shader.workgroup, [16, 2, 1]);
     assert_eq!(blocks.by_name["Sum"].size, 8);
-    assert_eq!(
-        shader.constants,
-        [(1, "COUNT".into(), "u32"), (2, "bias".into(), "f32"), (7, "EXACT".into(), "bool")]
-    );
+    assert_eq!(shader.constants, [(1, "COUNT".into(), "u32"), (2, "bias".into(), "f32"), (7, "EXACT".into(), "bool")]);
 }
 
 /// A layout that specialization would change is none that Rust can have.
@@ -276,7 +273,8 @@ fn specialization_constants_have_types_and_defaults() {
 fn specialization_constants_size_no_interface() {
     let constant = "layout(constant_id = 0) const uint COUNT = 3u;\n";
     for length in ["COUNT", "COUNT * 2u"] {
-        let block = format!("{constant}layout(set = 0, binding = 0, scalar) buffer Sums {{ float a[{length}]; float b; }};");
+        let block =
+            format!("{constant}layout(set = 0, binding = 0, scalar) buffer Sums {{ float a[{length}]; float b; }};");
         let images = format!("{constant}layout(set = 0, binding = 0, r32ui) uniform uimage2D images[{length}];");
         for (declarations, body, what) in [
             (block, "b = a[gl_LocalInvocationID.x];", "block Sums, member a"),
