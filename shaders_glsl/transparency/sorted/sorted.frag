@@ -25,13 +25,13 @@ float light_visibility(Light light, vec3 position, vec3 normal, float view_dista
 }
 
 void main() {
-    Surface surface = fragment_surface(instances[vertex_instance]);
+    Surface surface = fragment_surface();
     if (surface.unlit) {
         color = vec4((surface.albedo + surface.emissive) * surface.alpha, surface.alpha);
         return;
     }
     vec3 n = surface.normal;
-    vec3 v = direction_to_eye(views[0], vertex_position);
+    vec3 v = direction_to_eye(0u, vertex_position);
     float view_distance = -(views[0].view_from_world * vec4(vertex_position, 1.0)).z;
     Reflectance r = reflectance(surface.albedo, surface.metallic, surface.roughness);
     vec3 lit = vec3(0.0);

@@ -12,12 +12,12 @@ use glam::{DMat4, Vec2, Vec3, Vec4};
 use super::{
     File,
     node::Placed,
-    parallel, place, skin,
+    place, skin,
     tangents::{self, repaired},
 };
 use crate::{
     error::Result,
-    scene::{Material, Mesh, Primitive},
+    scene::{Material, Mesh, Primitive, parallel},
 };
 
 /// Meshes of a scene.
