@@ -4,6 +4,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 pub mod compare;
+pub mod device;
 pub mod exr_file;
 pub mod harness;
 pub mod parallel;
