@@ -178,7 +178,7 @@ fn build(
         }
         Some(slot) => {
             file.spend(primitive.indices.len() as u64 * VERTEX_BYTES, at)?;
-            tangents::generate(&mut primitive, slot.uv_set);
+            tangents::generate(&mut primitive, &slot);
         }
     }
     Ok(Some(primitive))
