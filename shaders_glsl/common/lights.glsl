@@ -16,9 +16,11 @@ struct Light {
     int shadow; // index among the lights its shadow technique serves, -1 without a shadow
 };
 
-layout(set = 0, binding = 3, scalar) readonly buffer Lights {
+const uint MAX_LIGHTS = 256u;
+
+layout(set = 0, binding = 3, scalar) uniform Lights {
     uint light_count;
-    Light lights[];
+    Light lights[MAX_LIGHTS];
 };
 
 // Way to the light (unit length), and illuminance on a plane facing it, in lux.

@@ -1,5 +1,5 @@
-// glTF 2.0 metallic-roughness materials. The factors of all materials lie in one buffer; the textures of one
-// material are set 1, with white (or a flat normal) where a material has none.
+// A glTF 2.0 metallic-roughness material: set 1 holds its factors and its textures, with white (or a flat normal)
+// where it has none.
 
 const uint TEXTURE_BASE_COLOR = 0u;
 const uint TEXTURE_METALLIC_ROUGHNESS = 1u;
@@ -10,7 +10,7 @@ const uint TEXTURE_EMISSIVE = 4u;
 // Bit k of `flags`: texture k is there; bit k + 8: it uses the second texture coordinates.
 const uint MATERIAL_UNLIT = 1u << 16;
 
-struct Material {
+layout(set = 1, binding = 5, scalar) uniform Material {
     vec4 base_color;
     vec3 emissive; // cd/m²
     float metallic;
@@ -20,11 +20,7 @@ struct Material {
     float alpha_cutoff;
     vec3 uv_rows[10]; // two rows a texture, applied to (u, v, 1)
     uint flags;
-};
-
-layout(set = 0, binding = 2, scalar) readonly buffer Materials {
-    Material materials[];
-};
+} material;
 
 layout(set = 1, binding = 0) uniform sampler2D base_color_texture;
 layout(set = 1, binding = 1) uniform sampler2D metallic_roughness_texture;
@@ -32,19 +28,19 @@ layout(set = 1, binding = 2) uniform sampler2D normal_texture;
 layout(set = 1, binding = 3) uniform sampler2D occlusion_texture;
 layout(set = 1, binding = 4) uniform sampler2D emissive_texture;
 
-bool has_texture(Material material, uint slot) {
+bool has_texture(uint slot) {
     return (material.flags & (1u << slot)) != 0u;
 }
 
-vec2 texture_coordinates(Material material, uint slot, vec2 uv0, vec2 uv1) {
+vec2 texture_coordinates(uint slot, vec2 uv0, vec2 uv1) {
     vec3 uv = vec3((material.flags & (256u << slot)) != 0u ? uv1 : uv0, 1.0);
     return vec2(dot(material.uv_rows[2u * slot], uv), dot(material.uv_rows[2u * slot + 1u], uv));
 }
 
-vec4 material_base_color(Material material, vec2 uv0, vec2 uv1, vec4 color) {
+vec4 material_base_color(vec2 uv0, vec2 uv1, vec4 color) {
     vec4 base = material.base_color * color;
-    if (has_texture(material, TEXTURE_BASE_COLOR)) {
-        base *= texture(base_color_texture, texture_coordinates(material, TEXTURE_BASE_COLOR, uv0, uv1));
+    if (has_texture(TEXTURE_BASE_COLOR)) {
+        base *= texture(base_color_texture, texture_coordinates(TEXTURE_BASE_COLOR, uv0, uv1));
     }
     return base;
 }

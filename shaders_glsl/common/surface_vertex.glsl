@@ -15,7 +15,7 @@ layout(location = 1) out vec4 out_tangent;
 layout(location = 2) out vec4 out_uv;
 layout(location = 3) out vec4 out_color;
 layout(location = 4) out vec3 out_position;
-layout(location = 5) flat out uint out_instance;
+layout(location = 5) flat out uvec3 out_ids; // object, first primitive, material
 
 invariant gl_Position;
 
@@ -25,8 +25,8 @@ void main() {
     gl_Position = views[VIEW_INDEX].clip_from_world * vec4(world, 1.0);
     out_position = world;
     out_normal = transform_normal(instance, normal);
-    out_tangent = vec4(transform_direction(instance, tangent.xyz), tangent.w);
+    out_tangent = vec4(transform_direction(instance, tangent.xyz), tangent.w * instance.handedness);
     out_uv = vec4(uv0, uv1);
     out_color = color;
-    out_instance = gl_InstanceIndex;
+    out_ids = uvec3(instance.object, instance.first_primitive, instance.material);
 }

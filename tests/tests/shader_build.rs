@@ -251,13 +251,39 @@ fn specialization_constants_have_types_and_defaults() {
         "{HEAD}layout(local_size_x_id = 0, local_size_y = 2) in; layout(local_size_x = 16) in;
          layout(constant_id = 7) const bool EXACT = true;
          layout(constant_id = 1) const uint COUNT = 3u;
-         layout(set = 0, binding = 0, scalar) buffer Counts {{ uint counts[COUNT]; uint last; }};
-         void main() {{ counts[gl_LocalInvocationID.x] = COUNT; last = EXACT ? 1u : 0u; }}"
+         layout(constant_id = 2) const float bias = 0.5;
+         const uint STRIDE = EXACT ? COUNT * 2u : gl_WorkGroupSize.x;
+         shared float tile[gl_WorkGroupSize.x + 2][COUNT];
+         layout(set = 0, binding = 0, scalar) buffer Sum {{ uint count; float sum; }};
+         void main() {{
+             tile[gl_LocalInvocationID.x][0] = bias * float(STRIDE);
+             barrier();
+             sum = tile[0][COUNT - 1u];
+             count = STRIDE;
+         }}"
     );
     let (shader, blocks) = reflect("a.comp", Stage::Compute, &text);
     assert_eq!(shader.workgroup, [16, 2, 1]);
-    assert_eq!(blocks.by_name["Counts"].size, 16);
-    assert_eq!(shader.constants, [(1, "COUNT".into(), "u32"), (7, "EXACT".into(), "bool")]);
+    assert_eq!(blocks.by_name["Sum"].size, 8);
+    assert_eq!(shader.constants, [(1, "COUNT".into(), "u32"), (2, "bias".into(), "f32"), (7, "EXACT".into(), "bool")]);
+}
+
+/// A layout that specialization would change is none that Rust can have.
+#[test]
+fn specialization_constants_size_no_interface() {
+    let constant = "layout(constant_id = 0) const uint COUNT = 3u;\n";
+    for length in ["COUNT", "COUNT * 2u"] {
+        let block =
+            format!("{constant}layout(set = 0, binding = 0, scalar) buffer Sums {{ float a[{length}]; float b; }};");
+        let images = format!("{constant}layout(set = 0, binding = 0, r32ui) uniform uimage2D images[{length}];");
+        for (declarations, body, what) in [
+            (block, "b = a[gl_LocalInvocationID.x];", "block Sums, member a"),
+            (images, "imageStore(images[1], ivec2(0), uvec4(1));", "images"),
+        ] {
+            let problems = Project::new(&[("a.comp", &compute(&declarations, body))]).problems();
+            assert!(problems[0].starts_with(&format!("shaders_glsl/a.comp: {what} is as long as")), "{problems:#?}");
+        }
+    }
 }
 
 #[test]

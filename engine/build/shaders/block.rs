@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use spirq::ty::{ArrayType, MatrixAxisOrder, ScalarType, SpirvType, StructType, Type as Reflected};
 
-use super::name;
+use super::{name, words};
 use crate::source::ROOT;
 
 /// A type in a block.
@@ -147,6 +147,9 @@ impl Blocks {
                 let element = self.convert(&array.element_ty, file, place)?;
                 check_stride(place, array.stride, &element)?;
                 let length = array.nelement.ok_or_else(|| format!("{place}: a run-time array must come last"))?;
+                if length == words::SPECIALIZED {
+                    return Err(format!("{place} is as long as a specialization constant says: layouts need a number"));
+                }
                 Ok(Type::Array(Box::new(element), length))
             }
             Reflected::Struct(ty) => self.add_struct(ty, ty.members.len(), None, file),

@@ -129,7 +129,7 @@ fn entry_point(spirv: &[u32]) -> Result<(EntryPoint, Vec<StructType>), String> {
     let mut types_are_new = true;
     // The optimiser has removed what the shader does not use, so all variables of the module are its own.
     let entries = ReflectConfig::new()
-        .spv(spirv)
+        .spv(words::for_reflection(spirv))
         .ref_all_rscs(true)
         .reflect_inspect_by(|module, _| {
             // Called for every instruction of every function; by then all types are there.
@@ -149,9 +149,8 @@ fn entry_point(spirv: &[u32]) -> Result<(EntryPoint, Vec<StructType>), String> {
 }
 
 fn workgroup(entry: &EntryPoint) -> [u32; 3] {
-    let modes = entry.exec_modes.iter();
-    let size =
-        modes.filter(|mode| matches!(mode.exec_mode, ExecutionMode::LocalSize | ExecutionMode::LocalSizeId)).last();
+    let mut modes = entry.exec_modes.iter();
+    let size = modes.rfind(|mode| matches!(mode.exec_mode, ExecutionMode::LocalSize | ExecutionMode::LocalSizeId));
     let mut workgroup = [0; 3];
     for (size, operand) in workgroup.iter_mut().zip(size.iter().flat_map(|mode| &mode.operands)) {
         if let ConstantValue::U32(value) = operand.value {
@@ -173,6 +172,9 @@ fn add_variable(shader: &mut Shader, variable: &Variable, blocks: &mut Blocks) -
             }
             if *nbind == 0 {
                 return Err(format!("{name} is an array without a length, which not every device can bind"));
+            }
+            if *nbind == words::SPECIALIZED {
+                return Err(format!("{name} is as long as a specialization constant says: layouts need a number"));
             }
             let (kind, size) = kind(&name, desc_ty, ty, &shader.path, blocks)?;
             shader.bindings.push(Binding { place: (set, binding), name, kind, count: *nbind, size });

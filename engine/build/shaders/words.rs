@@ -1,5 +1,7 @@
 //! The few SPIR-V instructions that reflection proper does not cover.
 
+use std::collections::BTreeMap;
+
 use spirq::spirv::{Capability, Op};
 
 /// Words before the first instruction.
@@ -39,6 +41,36 @@ fn bytes(words: &[u32]) -> [u8; 8] {
         to.copy_from_slice(&word.to_le_bytes());
     }
     bytes
+}
+
+/// Length that [`for_reflection`] gives to arrays whose length is not known before specialization.
+pub const SPECIALIZED: u32 = 0x7fff_ffff;
+
+/// The words as `spirq` can read them. It evaluates expressions of specialization constants, but not all kinds, and
+/// fails on the others: they are left out, and an array that is as long as one gets the length [`SPECIALIZED`].
+pub fn for_reflection(words: &[u32]) -> Vec<u32> {
+    let mut result: Vec<u32> = words.iter().take(HEADER).copied().collect();
+    let mut next = result.get(3).copied().unwrap_or_default();
+    let mut type_of = BTreeMap::new();
+    for (op, instruction) in instructions(words) {
+        match *instruction {
+            [_, ty, id, ..] if op == Op::SpecConstantOp as u32 => drop(type_of.insert(id, ty)),
+            [head, id, element, length] if op == Op::TypeArray as u32 && type_of.contains_key(&length) => {
+                result.extend([4 << 16 | Op::Constant as u32, type_of[&length], next, SPECIALIZED]);
+                result.extend([head, id, element, next]);
+                next += 1;
+            }
+            [_, ty, id, ..] if op == Op::SpecConstant as u32 => {
+                type_of.insert(id, ty);
+                result.extend(instruction);
+            }
+            _ => result.extend(instruction),
+        }
+    }
+    if let Some(bound) = result.get_mut(3) {
+        *bound = next;
+    }
+    result
 }
 
 /// Capabilities that Vulkan 1.3 does not promise of every device, by their SPIR-V names, sorted.

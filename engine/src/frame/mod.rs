@@ -9,10 +9,11 @@ use glam::Vec3;
 pub use layers::{Layer, Samples, Selection, Source};
 
 use crate::graph::{Graph, ImageHandle, ImageShape};
-use crate::scene::{GpuScene, Light, LightKind, LightShadow, View, record_lights};
+use crate::scene::{GpuScene, Light, LightKind, LightShadow, MAX_LIGHTS, View, light_block};
+use crate::shader::generated::blocks;
 use crate::techniques::shading::lighting::{Lighting, LightingInput};
 use crate::techniques::shadow::cascaded::{Cascaded, CascadedShadow};
-use crate::techniques::shadow::spot::{Spot, SpotShadows};
+use crate::techniques::shadow::spot::{MAX_SPOTS, Spot, SpotShadows};
 use crate::techniques::shadow::{Receivers, map_sampler};
 use crate::techniques::surface::depth::DepthPrepass;
 use crate::techniques::surface::gbuffer::{GBuffer, Precision, Surfaces};
@@ -72,7 +73,7 @@ impl FrameSettings {
         // 2. Lights: maps and masks of those that cast shadows.
         let receivers = Receivers { view, depth: &surfaces.depth, ids: &surfaces.ids };
         let shadows = self.shadows(graph, scene, &receivers);
-        let lights = record_lights(graph, &scene.lights, &shadows.of_lights);
+        let lights = light_block(&scene.lights, &shadows.of_lights);
 
         // 3. Camera: shading of the opaque surfaces, then blended ones over them.
         let input = LightingInput {
@@ -81,14 +82,14 @@ impl FrameSettings {
             normal: &surfaces.normal,
             material: &surfaces.material,
             emissive: &surfaces.emissive,
-            lights,
+            lights: &lights,
             masks: shadows.masks.as_ref(),
         };
         let lit = Lighting { environment: self.environment }.record(graph, scene, view, &input);
         let forward = ForwardLights {
-            lights,
-            cascades: shadows.sun.as_ref().map(|sun| (sun.parameters, &sun.map)),
-            spots: shadows.spots.as_ref().map(|spots| (spots.parameters, &spots.maps)),
+            lights: &lights,
+            cascades: shadows.sun.as_ref().map(|sun| (&sun.parameters, &sun.map)),
+            spots: shadows.spots.as_ref().map(|spots| (&spots.parameters, &spots.maps)),
             sampler: map_sampler(),
         };
         let color =
@@ -104,12 +105,16 @@ impl FrameSettings {
     fn shadows<'f>(&self, graph: &mut Graph<'f>, scene: &'f GpuScene, receivers: &Receivers) -> Shadows {
         let lights = &scene.lights;
         let sun = lights.iter().position(|light| matches!(light.kind, LightKind::Directional { .. }));
-        let spots: Vec<usize> = (0..lights.len()).filter(|&i| Spot::serves(&lights[i])).collect();
+        let spots: Vec<usize> = (0..lights.len()).filter(|&i| Spot::serves(&lights[i])).take(MAX_SPOTS).collect();
         let order: Vec<usize> = sun.into_iter().chain(spots.iter().copied()).collect();
 
         let mut shadows = Shadows::new(lights);
         let without = (0..lights.len()).filter(|i| !order.contains(i));
         shadows.warnings.extend(without.map(|i| format!("light `{}` casts no shadow", lights[i].name)));
+        if lights.len() > MAX_LIGHTS {
+            let without = lights.len() - MAX_LIGHTS;
+            shadows.warnings.push(format!("{without} lights after the first {MAX_LIGHTS} do not shine"));
+        }
         if order.is_empty() {
             return shadows;
         }
@@ -153,12 +158,12 @@ struct Shadows {
 struct SunShadow {
     index: ImageHandle,
     map: ImageHandle,
-    parameters: crate::graph::Data,
+    parameters: blocks::Cascades,
 }
 
 struct SpotMaps {
     maps: ImageHandle,
-    parameters: crate::graph::Data,
+    parameters: blocks::SpotMaps,
 }
 
 impl Shadows {

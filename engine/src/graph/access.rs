@@ -6,7 +6,7 @@
 
 use ash::vk::{self, AccessFlags2 as Mask, ImageLayout as Layout, PipelineStageFlags2 as Stages};
 
-use super::description::Access;
+use super::description::{Access, Shape};
 
 /// Stages that run the depth and stencil tests.
 const FRAGMENT_TESTS: Stages =
@@ -172,6 +172,11 @@ impl Access {
     /// The part of the mask that reads.
     pub fn reads(self) -> Mask {
         self.mask & !WRITES
+    }
+
+    /// Whether a resource that arrives in this state holds anything: an image in layout `UNDEFINED` does not.
+    pub fn has_contents(self, shape: &Shape) -> bool {
+        matches!(shape, Shape::Buffer { .. }) || self.layout != Layout::UNDEFINED
     }
 
     /// Stages and masks of both; the layout of the first.

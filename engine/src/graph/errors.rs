@@ -66,6 +66,10 @@ pub enum ErrorKind {
     ConflictingUses,
     /// A state that an imported resource cannot arrive or be left in.
     BadImport,
+    /// A root that nobody writes.
+    EmptyRoot,
+    /// A root that is to be kept but written over.
+    OverwrittenRoot,
     /// Passes that wait for one another in a circle.
     Cycle,
     /// A binding or an attachment that a shader lacks or that was left out, or a handle of another graph.

@@ -2,7 +2,7 @@
 
 use super::draw::{ALPHA_TESTED, DrawClass, Faces, POSITIONS};
 use super::{GpuScene, ViewSet, depth};
-use crate::graph::{Data, Graph, ImageHandle, Load, RasterPass};
+use crate::graph::{Graph, ImageHandle, Load, RasterPass};
 use crate::shader::generated::surface::depth as shaders;
 use crate::shader::{Program, Shader};
 
@@ -27,18 +27,17 @@ impl GpuScene {
         faces: Faces,
     ) -> ImageHandle {
         let count = views.views().len() as u32;
-        let data = views.record(graph);
         if count == 1 {
-            return self.depth_pass(graph, name.into(), Expansion::Separate, views, 0, data, target, faces);
+            return self.depth_pass(graph, name.into(), Expansion::Separate, views, 0, target, faces);
         }
         if count <= graph.caps().limits.max_multiview_views {
-            return self.depth_pass(graph, name.into(), Expansion::Multiview, views, 0, data, target, faces);
+            return self.depth_pass(graph, name.into(), Expansion::Multiview, views, 0, target, faces);
         }
         let layers = graph.split_layers(target).into_iter().enumerate();
         let drawn: Vec<_> = layers
             .map(|(i, layer)| {
                 let name = format!("{name}.{i}");
-                self.depth_pass(graph, name, Expansion::Separate, views, i, data, layer, faces)
+                self.depth_pass(graph, name, Expansion::Separate, views, i, layer, faces)
             })
             .collect();
         graph.join(drawn).expect("a view set has a view")
@@ -52,7 +51,6 @@ impl GpuScene {
         expansion: Expansion,
         views: &ViewSet,
         index: usize,
-        data: Data,
         target: ImageHandle,
         faces: Faces,
     ) -> ImageHandle {
@@ -76,11 +74,8 @@ impl GpuScene {
         let programs = programs.into_iter().map(|program| program.depth(depth::CLOSER, true)).collect();
 
         let mut pass: RasterPass = graph.raster(name, programs);
-        pass.constant(shaders::opaque_vert::VIEWS, data);
+        pass.uniform(shaders::opaque_vert::VIEWS, &views.block());
         pass.constant(shaders::opaque_vert::INSTANCES, &self.instances);
-        if !masked.is_empty() {
-            pass.constant(shaders::masked_frag::MATERIALS, &self.materials);
-        }
         if expansion == Expansion::Multiview {
             pass.views(views.views().len() as u32);
         }

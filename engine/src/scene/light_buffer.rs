@@ -3,7 +3,6 @@
 use glam::Vec3;
 
 use super::{Light, LightKind};
-use crate::graph::{Data, Graph};
 use crate::shader::generated::blocks;
 
 /// Where a light's shadow is found.
@@ -15,11 +14,18 @@ pub struct LightShadow {
     pub index: u32,
 }
 
-/// Copies lights into the frame's arena. `shadows` has an entry a light; `None` lights through everything.
-pub fn record_lights(graph: &mut Graph, lights: &[Light], shadows: &[Option<LightShadow>]) -> Data {
-    let records: Vec<_> =
-        lights.iter().enumerate().map(|(i, light)| record(light, shadows.get(i).copied().flatten())).collect();
-    graph.data_with_tail(&blocks::Lights { light_count: records.len() as u32 }, &records)
+/// Most lights of a frame; `MAX_LIGHTS` in `common/lights.glsl`.
+pub const MAX_LIGHTS: usize = 256;
+
+/// The first [`MAX_LIGHTS`] lights as shaders read them. `shadows` has an entry a light; `None` lights through
+/// everything.
+pub fn light_block(lights: &[Light], shadows: &[Option<LightShadow>]) -> blocks::Lights {
+    let mut block: blocks::Lights = bytemuck::Zeroable::zeroed();
+    for (i, (place, light)) in block.lights.iter_mut().zip(lights).enumerate() {
+        *place = record(light, shadows.get(i).copied().flatten());
+        block.light_count += 1;
+    }
+    block
 }
 
 fn record(light: &Light, shadow: Option<LightShadow>) -> blocks::Light {

@@ -28,8 +28,6 @@ pub struct GpuScene {
     pub indices: Buffer,
     /// `blocks::Instance` an instance.
     pub instances: Buffer,
-    /// `blocks::Material` a material.
-    pub materials: Buffer,
     /// Set 1 of each material.
     pub material_sets: Vec<DescriptorSet>,
     /// Layout of set 1.
@@ -90,8 +88,9 @@ impl Scene {
         let instances = buffer(gpu, &mut uploader, "scene.instances", vk::BufferUsageFlags::empty(), &instances)?;
 
         // 3. Materials and their textures.
-        let records: Vec<_> = self.materials.iter().map(material_record).collect();
-        let materials = buffer(gpu, &mut uploader, "scene.materials", vk::BufferUsageFlags::empty(), &records)?;
+        let stride = (size_of::<blocks::Material>() as u64)
+            .next_multiple_of(gpu.caps().limits.min_uniform_buffer_offset_alignment.max(1));
+        let materials = material_buffer(gpu, &mut uploader, &self.materials, stride)?;
         let white = texel(gpu, &mut uploader, "scene.white", [255; 4])?;
         let flat = texel(gpu, &mut uploader, "scene.flat_normal", [128, 128, 255, 255])?;
         let no_depth = depth_texel(gpu, &mut uploader)?;
@@ -100,8 +99,8 @@ impl Scene {
         let mut images = TextureImages::new(&self);
         let plain = gpu.sampler(&SamplerInfo::default())?;
         let mut material_sets = Vec::with_capacity(self.materials.len());
-        for material in &self.materials {
-            let mut descriptors = Vec::with_capacity(5);
+        for (index, material) in self.materials.iter().enumerate() {
+            let mut descriptors = Vec::with_capacity(6);
             for (binding, (slot, encoding)) in slots(material).into_iter().enumerate() {
                 let descriptor = match slot {
                     Some(slot) => {
@@ -113,6 +112,8 @@ impl Scene {
                 };
                 descriptors.push((binding as u32, descriptor));
             }
+            let (offset, size) = (index as u64 * stride, size_of::<blocks::Material>() as u64);
+            descriptors.push((5, Descriptor::Buffer { buffer: materials.clone(), offset, size }));
             material_sets.push(gpu.descriptor_set_of(&material.name, &material_layout, &descriptors)?);
         }
 
@@ -125,7 +126,6 @@ impl Scene {
             shading_attributes,
             indices,
             instances,
-            materials,
             material_sets,
             material_layout,
             white,
@@ -384,6 +384,16 @@ fn depth_texel(gpu: &Gpu, uploader: &mut Uploader) -> Result<Image> {
     let image = gpu.create_image(&ImageInfo { name: "scene.no_depth", format, usage, ..ImageInfo::default() })?;
     uploader.image(&image, 0, 0, bytemuck::bytes_of(&super::depth::CLEAR))?;
     Ok(image)
+}
+
+/// The materials' uniform blocks, `stride` bytes apart.
+fn material_buffer(gpu: &Gpu, uploader: &mut Uploader, materials: &[Material], stride: u64) -> Result<Buffer> {
+    let mut bytes = vec![0; materials.len() * stride as usize];
+    for (place, material) in bytes.chunks_exact_mut(stride as usize).zip(materials) {
+        let record = material_record(material);
+        place[..size_of_val(&record)].copy_from_slice(bytemuck::bytes_of(&record));
+    }
+    buffer(gpu, uploader, "scene.materials", vk::BufferUsageFlags::UNIFORM_BUFFER, &bytes)
 }
 
 /// A device buffer with these contents; at least one element long, for Vulkan has no empty buffers.

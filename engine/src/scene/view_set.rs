@@ -4,8 +4,10 @@ use glam::{Mat4, Vec3, Vec4};
 
 use super::{Projection, View};
 use crate::geometry::{Aabb, Frustum};
-use crate::graph::{Data, Graph};
 use crate::shader::generated::blocks;
+
+/// Most views of a set; `MAX_VIEWS` in `common/views.glsl`.
+pub const MAX_VIEWS: usize = 8;
 
 /// Views that one pass (or one pass each) draws into the layers of one target, in order.
 #[derive(Clone, Debug)]
@@ -29,10 +31,13 @@ impl ViewSet {
         self.views.iter().map(|view| Frustum::new(&view.clip_from_world())).collect()
     }
 
-    /// The set as `common/views.glsl` reads it.
-    pub fn record(&self, graph: &mut Graph) -> Data {
-        let records: Vec<_> = self.views.iter().map(View::record).collect();
-        graph.data(&records)
+    /// The set as `common/views.glsl` reads it; its first [`MAX_VIEWS`] views.
+    pub fn block(&self) -> blocks::Views {
+        let mut block: blocks::Views = bytemuck::Zeroable::zeroed();
+        for (record, view) in block.views.iter_mut().zip(&self.views) {
+            *record = view.record();
+        }
+        block
     }
 }
 

@@ -31,8 +31,7 @@ void main() {
         imageStore(direct, pixel, vec4(0.0));
         return;
     }
-    ViewData view = views[0];
-    vec3 position = (view.world_from_view * vec4(view_position(view, vec2(pixel) + 0.5, d), 1.0)).xyz;
+    vec3 position = (views[0].world_from_view * vec4(view_position(0u, vec2(pixel) + 0.5, d), 1.0)).xyz;
     vec4 base = texelFetch(albedo, pixel, 0);
     vec4 m = texelFetch(material, pixel, 0);
     vec3 glow = texelFetch(emissive, pixel, 0).rgb;
@@ -43,7 +42,7 @@ void main() {
     }
 
     vec3 n = normalize(texelFetch(normal, pixel, 0).xyz);
-    vec3 v = direction_to_eye(view, position);
+    vec3 v = direction_to_eye(0u, position);
     Reflectance r = reflectance(base.rgb, m.g, m.r);
     vec3 lit = vec3(0.0);
     for (uint i = 0u; i < light_count; ++i) {
@@ -58,7 +57,7 @@ void main() {
         }
         lit += illuminance * brdf_cosine(r, n, v, l);
     }
-    vec3 ambient = environment_reflection(r, m.r, base.a, max(dot(n, v), 0.0));
+    vec3 ambient = environment_reflection(r, base.a, abs(dot(n, v)));
     imageStore(direct, pixel, vec4(lit, 1.0));
     imageStore(color, pixel, vec4(lit + ambient + glow, 1.0));
 }

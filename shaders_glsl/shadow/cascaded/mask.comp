@@ -23,7 +23,7 @@ void main() {
     float visibility = 1.0;
     uint cascade = cascade_count;
     if (d != DEPTH_CLEAR) {
-        vec3 p = view_position(views[0], vec2(pixel) + 0.5, d);
+        vec3 p = view_position(0u, vec2(pixel) + 0.5, d);
         vec3 world = (views[0].world_from_view * vec4(p, 1.0)).xyz;
         vec3 normal = unpack_normal(texelFetch(ids, pixel, 0).w);
         visibility = cascaded_visibility(world, normal, -p.z, cascade);

@@ -9,7 +9,7 @@ struct Cascade {
     float fade; // from here to `end` the next cascade is blended in
 };
 
-layout(set = 0, binding = 13, scalar) readonly buffer Cascades {
+layout(set = 0, binding = 13, scalar) uniform Cascades {
     vec3 to_light;
     uint cascade_count;
     int taps;

@@ -25,7 +25,7 @@ void main() {
     float d = texelFetch(depth, pixel, 0).r;
     float visibility = 1.0;
     if (d != DEPTH_CLEAR) {
-        vec3 p = view_position(views[0], vec2(pixel) + 0.5, d);
+        vec3 p = view_position(0u, vec2(pixel) + 0.5, d);
         vec3 world = (views[0].world_from_view * vec4(p, 1.0)).xyz;
         visibility = spot_visibility(push.spot, world, unpack_normal(texelFetch(ids, pixel, 0).w));
     }

@@ -1,6 +1,8 @@
 // Visibility of spot lights through one shadow map each, all layers of one array. Include after
 // common/shadow_map.glsl.
 
+const uint MAX_SPOTS = 64u;
+
 struct SpotMap {
     mat4 clip_from_world; // the light's view
     vec3 position;
@@ -8,10 +10,10 @@ struct SpotMap {
     vec3 direction; // the way light travels
 };
 
-layout(set = 0, binding = 15, scalar) readonly buffer SpotMaps {
+layout(set = 0, binding = 15, scalar) uniform SpotMaps {
     int spot_taps;
     float spot_map_texel; // 1 / resolution
-    SpotMap spots[];
+    SpotMap spots[MAX_SPOTS];
 };
 layout(set = 0, binding = 16) uniform sampler2DArrayShadow spot_map;
 

@@ -4,11 +4,10 @@
 
 layout(location = 0) in vec4 uv;
 layout(location = 1) in float vertex_alpha;
-layout(location = 2) flat in uint material;
 
 void main() {
-    float alpha = material_base_color(materials[material], uv.xy, uv.zw, vec4(1.0, 1.0, 1.0, vertex_alpha)).a;
-    if (alpha < materials[material].alpha_cutoff) {
+    float alpha = material_base_color(uv.xy, uv.zw, vec4(1.0, 1.0, 1.0, vertex_alpha)).a;
+    if (alpha < material.alpha_cutoff) {
         discard;
     }
 }

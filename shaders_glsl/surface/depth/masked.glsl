@@ -10,7 +10,6 @@ layout(location = 3) in vec4 color;
 
 layout(location = 0) out vec4 out_uv;
 layout(location = 1) out float out_alpha;
-layout(location = 2) flat out uint out_material;
 
 invariant gl_Position;
 
@@ -19,5 +18,4 @@ void main() {
     gl_Position = views[VIEW_INDEX].clip_from_world * vec4(world, 1.0);
     out_uv = vec4(uv0, uv1);
     out_alpha = color.a;
-    out_material = instances[gl_InstanceIndex].material;
 }

@@ -21,6 +21,6 @@ void main() {
         imageStore(position, pixel, vec4(0.0, 0.0, 0.0, uintBitsToFloat(0x7f800000u)));
         return;
     }
-    vec3 p = view_position(views[0], vec2(pixel) + 0.5, d);
+    vec3 p = view_position(0u, vec2(pixel) + 0.5, d);
     imageStore(position, pixel, vec4((views[0].world_from_view * vec4(p, 1.0)).xyz, -p.z));
 }

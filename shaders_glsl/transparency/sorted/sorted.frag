@@ -25,13 +25,13 @@ float light_visibility(Light light, vec3 position, vec3 normal, float view_dista
 }
 
 void main() {
-    Surface surface = fragment_surface(instances[vertex_instance]);
+    Surface surface = fragment_surface();
     if (surface.unlit) {
         color = vec4((surface.albedo + surface.emissive) * surface.alpha, surface.alpha);
         return;
     }
     vec3 n = surface.normal;
-    vec3 v = direction_to_eye(views[0], vertex_position);
+    vec3 v = direction_to_eye(0u, vertex_position);
     float view_distance = -(views[0].view_from_world * vec4(vertex_position, 1.0)).z;
     Reflectance r = reflectance(surface.albedo, surface.metallic, surface.roughness);
     vec3 lit = vec3(0.0);
@@ -45,6 +45,6 @@ void main() {
         illuminance *= light_visibility(lights[i], vertex_position, n, view_distance);
         lit += illuminance * brdf_cosine(r, n, v, l);
     }
-    lit += environment_reflection(r, surface.roughness, surface.occlusion, max(dot(n, v), 0.0)) + surface.emissive;
+    lit += environment_reflection(r, surface.occlusion, abs(dot(n, v))) + surface.emissive;
     color = vec4(lit * surface.alpha, surface.alpha);
 }

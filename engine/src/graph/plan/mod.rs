@@ -1,8 +1,21 @@
 //! Planning: from a description to a plan. Pure functions over plain data.
 
+mod barriers;
+mod cells;
+mod cull;
+mod dependencies;
 mod device;
+mod history;
+mod lifetimes;
+mod order;
 mod output;
+mod place;
+mod queues;
 mod reason;
+mod redundant;
+mod usage;
+mod validate;
+mod versions;
 
 pub use device::{DeviceModel, Requirements, Usage};
 pub use output::{
@@ -11,7 +24,13 @@ pub use output::{
 };
 pub use reason::{CullReason, Hazard, Reason};
 
-use super::description::Description;
+use ash::vk::ImageLayout as Layout;
+
+use self::barriers::Context;
+use self::dependencies::{Dependencies, events};
+use self::history::History;
+use self::queues::Families;
+use super::description::{Access, Description, Origin, Queue};
 use super::errors::GraphErrors;
 
 /// Plans a frame for a device.
@@ -19,144 +38,129 @@ use super::errors::GraphErrors;
 /// # Errors
 /// All that is wrong with the description, at once.
 pub fn plan(description: &Description, device: &dyn DeviceModel) -> Result<Plan, GraphErrors> {
-    use crate::graph::description::*;
-    use ash::vk;
-    let mut plan = Plan::default();
-    let n = description.resources.len();
-    let mut usages: Vec<Option<Usage>> = vec![None; n];
-    let mut add = |r: ResourceId, a: &Access| {
-        let image = matches!(description.resources[r.0 as usize].shape, Shape::Image(_));
-        let u = &mut usages[r.0 as usize];
-        if image {
-            let mut f = match u {
-                Some(Usage::Image(f)) => *f,
-                _ => vk::ImageUsageFlags::empty(),
-            };
-            let m = a.mask;
-            if m.intersects(vk::AccessFlags2::COLOR_ATTACHMENT_WRITE) {
-                f |= vk::ImageUsageFlags::COLOR_ATTACHMENT;
-            }
-            if m.intersects(vk::AccessFlags2::DEPTH_STENCIL_ATTACHMENT_READ) {
-                f |= vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
-            }
-            if m.intersects(vk::AccessFlags2::SHADER_SAMPLED_READ) {
-                f |= vk::ImageUsageFlags::SAMPLED;
-            }
-            if m.intersects(vk::AccessFlags2::SHADER_STORAGE_READ | vk::AccessFlags2::SHADER_STORAGE_WRITE) {
-                f |= vk::ImageUsageFlags::STORAGE;
-            }
-            if m.intersects(vk::AccessFlags2::TRANSFER_READ) {
-                f |= vk::ImageUsageFlags::TRANSFER_SRC;
-            }
-            if m.intersects(vk::AccessFlags2::TRANSFER_WRITE) {
-                f |= vk::ImageUsageFlags::TRANSFER_DST;
-            }
-            *u = Some(Usage::Image(f));
-        } else {
-            *u = Some(Usage::Buffer(
-                vk::BufferUsageFlags::STORAGE_BUFFER
-                    | vk::BufferUsageFlags::TRANSFER_SRC
-                    | vk::BufferUsageFlags::TRANSFER_DST
-                    | vk::BufferUsageFlags::UNIFORM_BUFFER
-                    | vk::BufferUsageFlags::INDIRECT_BUFFER,
-            ));
-        }
-    };
-    let mut layouts: std::collections::HashMap<(u32, u32, u32), vk::ImageLayout> = Default::default();
-    let all = Access {
-        stages: vk::PipelineStageFlags2::ALL_COMMANDS,
-        mask: vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE,
-        layout: vk::ImageLayout::UNDEFINED,
-    };
-    let reason = Reason { hazard: Hazard::First, resource: None, before: None, after: None };
-    let mut barrier = |r: ResourceId, range: Range, a: &Access, b: &mut Barriers| {
-        b.memory.push(MemoryBarrier { from: all, to: all, reason });
-        if let Range::Image { aspects, mips, layers } = range {
-            for m in mips[0]..mips[1] {
-                for l in layers[0]..layers[1] {
-                    let old = layouts.insert((r.0, m, l), a.layout).unwrap_or(vk::ImageLayout::UNDEFINED);
-                    if old != a.layout {
-                        b.images.push(ImageBarrier {
-                            resource: r,
-                            range: Range::Image { aspects, mips: [m, m + 1], layers: [l, l + 1] },
-                            from: Access { layout: old, ..all },
-                            to: Access { layout: a.layout, ..all },
-                            ownership: None,
-                            reason,
-                        });
-                    }
-                }
-            }
-        }
-    };
-    for (i, pass) in description.passes.iter().enumerate() {
-        let mut b = Barriers::default();
-        for u in &pass.uses {
-            let v = &description.versions[u.version.0 as usize];
-            add(v.resource, &u.access);
-            barrier(v.resource, v.range, &u.access, &mut b);
-        }
-        plan.steps.push(Step { work: Work::Pass(PassId(i as u32)), queue: Queue::Graphics, barriers: b });
-        for (k, root) in description.roots.iter().enumerate() {
-            if !root.read_back {
-                continue;
-            }
-            // read back as soon as made, after the last pass of its chain
-            fn last(d: &Description, v: VersionId) -> u32 {
-                match &d.versions[v.0 as usize].source {
-                    Source::Initial => 0,
-                    Source::Pass { pass, .. } => pass.0,
-                    Source::Split { of } | Source::Fork { of } => last(d, *of),
-                    Source::Join { of } => of.iter().map(|v| last(d, *v)).max().unwrap_or(0),
-                }
-            }
-            if last(description, root.version) == i as u32 {
-                let v = &description.versions[root.version.0 as usize];
-                let mut b = Barriers::default();
-                let a = Access::transfer_read();
-                add(v.resource, &a);
-                barrier(v.resource, v.range, &a, &mut b);
-                plan.steps.push(Step { work: Work::ReadBack(k), queue: Queue::Graphics, barriers: b });
-            }
-        }
-    }
-    let mut offset = 0u64;
-    let (mut bits, mut align) = (!0u32, 1u64);
-    for (i, r) in description.resources.iter().enumerate() {
-        if r.origin != Origin::Transient {
-            continue;
-        }
-        let Some(u) = usages[i] else { continue };
-        let q = device.requirements(&r.shape, u);
-        offset = offset.next_multiple_of(q.alignment.max(1));
-        plan.placements.push(Placement {
-            resource: ResourceId(i as u32),
-            heap: 0,
-            offset,
-            size: q.size,
-            steps: [0, 0],
-        });
-        offset += q.size;
-        bits &= q.type_bits;
-        align = align.max(q.alignment);
-    }
-    plan.heaps.push(Heap { size: offset.max(1), alignment: align, type_bits: bits });
-    plan.finally.memory.push(MemoryBarrier {
-        from: all,
-        to: Access {
-            stages: vk::PipelineStageFlags2::HOST,
-            mask: vk::AccessFlags2::HOST_READ,
-            layout: vk::ImageLayout::UNDEFINED,
+    // 1. Find everything that is wrong.
+    let versions = validate::validate(description, device)?;
+
+    // 2. Leave out what no root and no side effect needs.
+    let (live, culled) = cull::cull(description, &versions);
+    cull::check_kept(description, &versions, &live)?;
+
+    // 3. What each resource is used for, and the memory it takes.
+    let usages = usage::usages(description, &live);
+    let requirements = requirements(description, device, &usages);
+    let bytes: Vec<u64> = requirements.iter().map(|needs| needs.map_or(0, |needs| needs.size.max(1))).collect();
+
+    // 4. Put passes and read-backs in order.
+    let nodes = description.passes.len() + description.roots.len();
+    let dependencies = Dependencies::new(&events(description, &versions, &live), nodes);
+    let order = order::order(description, &dependencies, &live, &bytes);
+
+    // 5. Give each a queue.
+    let families = Families::new(device);
+    let schedule = queues::assign(description, &versions, order, &families);
+
+    // 6. What happens to each cell, and when each resource is alive.
+    let history = History::new(description, &versions, &schedule);
+    let crossings = barriers::crossings(&history, versions.cells.len(), schedule.nodes.len());
+    let lifetimes = lifetimes::Lifetimes::new(description, &versions, &history, &schedule, &crossings);
+
+    // 7. Give transients their memory.
+    let placed = place::place(description, device, &requirements, &lifetimes);
+
+    // 8. Put barriers between, and steps together.
+    let context = Context { description, versions: &versions, history: &history, schedule: &schedule, families };
+    let pending = barriers::pending(&context, &placed);
+    let batches = queues::batches(&schedule, crossings, &context.takers(&pending));
+    let steps = (0..schedule.nodes.len())
+        .map(|step| Step { work: schedule.work(step), queue: schedule.queues[step], barriers: Barriers::default() })
+        .collect();
+
+    let mut plan = Plan {
+        steps,
+        batches,
+        finally: Barriers::default(),
+        culled,
+        placements: placed.placements,
+        heaps: placed.heaps,
+        usages,
+        lifetimes: lifetimes::report(&versions, &history, description.resources.len()),
+        statistics: Statistics {
+            lower_bound_bytes: placed.lower_bound,
+            unaliased_bytes: placed.unaliased,
+            ..Statistics::default()
         },
-        reason,
-    });
-    plan.usages = usages;
-    plan.batches.push(Batch {
-        queue: Queue::Graphics,
-        steps: (0..plan.steps.len()).collect(),
-        waits: vec![],
-        release: Barriers::default(),
-        signal: 1,
-    });
+    };
+    attach(&mut plan, &context, &pending);
+    show_host(&mut plan);
+    drop_redundant(&mut plan);
+    plan.statistics.count(&plan.steps, &plan.batches, &plan.finally, &plan.heaps);
     Ok(plan)
+}
+
+/// Memory of every transient that is used.
+fn requirements(
+    description: &Description,
+    device: &dyn DeviceModel,
+    usages: &[Option<Usage>],
+) -> Vec<Option<Requirements>> {
+    let resources = description.resources.iter().zip(usages);
+    let transients = resources.map(|(resource, usage)| usage.filter(|_| resource.origin == Origin::Transient));
+    let shapes = description.resources.iter().map(|resource| &resource.shape);
+    transients.zip(shapes).map(|(usage, shape)| Some(device.requirements(shape, usage?))).collect()
+}
+
+/// Puts each barrier before its step, at the end of its batch, or at the end of the frame.
+fn attach(plan: &mut Plan, context: &Context, pending: &[barriers::Pending]) {
+    let mut batch_of = vec![0; plan.steps.len()];
+    for (index, batch) in plan.batches.iter().enumerate() {
+        batch.steps.iter().for_each(|&step| batch_of[step] = index);
+    }
+    for place in pending.chunk_by(|a, b| (a.at, a.release) == (b.at, b.release)) {
+        let barriers = match (place[0].release, place[0].at.index()) {
+            (true, step) => &mut plan.batches[step.map_or(0, |step| batch_of[step])].release,
+            (false, Some(step)) => &mut plan.steps[step].barriers,
+            (false, None) => &mut plan.finally,
+        };
+        barriers::together(context, place, barriers);
+    }
+}
+
+/// Makes read-backs visible to the host.
+fn show_host(plan: &mut Plan) {
+    let read_backs = plan.steps.iter().map(|step| step.work).filter(|work| matches!(work, Work::ReadBack(_)));
+    if let Some(before) = read_backs.last() {
+        let reason = Reason { hazard: Hazard::Host, resource: None, before: Some(before), after: None };
+        let no_layout = |access: Access| Access { layout: Layout::UNDEFINED, ..access };
+        let (from, to) = (no_layout(Access::copy_write()), no_layout(Access::host_read()));
+        plan.finally.memory.push(MemoryBarrier { from, to, reason });
+    }
+}
+
+/// Takes out dependencies that follow from others, queue by queue.
+fn drop_redundant(plan: &mut Plan) {
+    let mut places: std::collections::HashMap<Work, (Queue, u32)> = std::collections::HashMap::new();
+    let mut ordered = [redundant::Ordered::default(), redundant::Ordered::default(), redundant::Ordered::default()];
+    let mut counts = [0; 3];
+    for step in &mut plan.steps {
+        let queue = step.queue as usize;
+        let last = |work: Work| places.get(&work).filter(|place| place.0 == step.queue).map(|place| place.1);
+        if !step.barriers.is_empty() {
+            ordered[queue].filter(&mut step.barriers, counts[queue], last);
+        }
+        counts[queue] += 1;
+        places.insert(step.work, (step.queue, counts[queue]));
+    }
+}
+
+impl Statistics {
+    fn count(&mut self, steps: &[Step], batches: &[Batch], finally: &Barriers, heaps: &[Heap]) {
+        self.heap_bytes = heaps.iter().map(|heap| heap.size).sum();
+        let all = steps.iter().map(|step| &step.barriers).chain(batches.iter().map(|batch| &batch.release));
+        for barriers in all.chain([finally]).filter(|barriers| !barriers.is_empty()) {
+            self.barrier_calls += 1;
+            self.image_barriers += barriers.images.len();
+            self.buffer_barriers += barriers.buffers.len();
+            self.memory_barriers += barriers.memory.len();
+        }
+    }
 }

@@ -43,9 +43,9 @@ pub fn cornell() -> Scene {
     // The ceiling leaves no hole for the lamp, which hangs a tenth of a millimetre below.
     let ceiling = quad([[556., 548.8, 559.2], [0., 548.8, 559.2], [0., 548.8, 0.], [556., 548.8, 0.]]);
 
-    // Footprints of the blocks, counter-clockwise seen from above.
-    let short = block([[290., 114.], [240., 272.], [82., 225.], [130., 65.]], 165.0, point);
-    let tall = block([[423., 247.], [472., 406.], [314., 456.], [265., 296.]], 330.0, point);
+    // Footprints of the blocks; what runs clockwise in the original's frame is counter-clockwise in ours.
+    let short = block([[130., 65.], [82., 225.], [240., 272.], [290., 114.]], 165.0, point);
+    let tall = block([[265., 296.], [314., 456.], [472., 406.], [423., 247.]], 330.0, point);
 
     let parts = [
         ("floor", floor, 0),

@@ -81,7 +81,9 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
         return Err(format!("version {version}; only version 2 is supported"));
     }
     let bytes = bytes.get(..length).ok_or(format!("says {length} bytes, but has {}", bytes.len()))?;
-    let chunk = |at: usize| -> Result<Option<(&[u8], &[u8], usize)>, String> {
+    // Kind, data, and where the next one starts.
+    type Chunk<'a> = Option<(&'a [u8], &'a [u8], usize)>;
+    let chunk = |at: usize| -> Result<Chunk, String> {
         let Some(head) = bytes.get(at..).filter(|rest| !rest.is_empty()) else { return Ok(None) };
         let (Some(length), Some(kind)) = (head.first_chunk::<4>(), head.get(4..8)) else {
             return Err(format!("cut off in the head of the chunk at byte {at}"));

@@ -12,7 +12,6 @@ mod material;
 mod mesh;
 mod names;
 mod node;
-mod parallel;
 mod skin;
 mod tangents;
 mod texture;

@@ -15,10 +15,10 @@ use ::gltf::json::{
 };
 use image::{ImageFormat, ImageReader, Limits};
 
-use super::{File, material::UsedTexture, parallel, place, uri};
+use super::{File, material::UsedTexture, place, uri};
 use crate::{
     error::Result,
-    scene::{Filter, Texture, Wrap},
+    scene::{Filter, Texture, Wrap, parallel},
 };
 
 /// Bytes of decoded images that a file may ask for: 64 images of 4096².

@@ -4,7 +4,7 @@ use ash::vk;
 use glam::Vec3;
 
 use crate::gpu::SamplerInfo;
-use crate::graph::{Data, Graph, ImageHandle, ImageShape};
+use crate::graph::{Graph, ImageHandle, ImageShape};
 use crate::scene::{GpuScene, View, ViewSet};
 use crate::shader::generated::{blocks, shading::lighting::lighting_comp as shader};
 
@@ -27,8 +27,8 @@ pub struct LightingInput<'h> {
     pub material: &'h ImageHandle,
     /// Emitted radiance.
     pub emissive: &'h ImageHandle,
-    /// Lights, from [`crate::scene::record_lights`].
-    pub lights: Data,
+    /// Lights, from [`crate::scene::light_block`].
+    pub lights: &'h blocks::Lights,
     /// Visibility of lights by layer, 1 is lit; `None` where no light has a mask.
     pub masks: Option<&'h ImageHandle>,
 }
@@ -47,10 +47,9 @@ impl Lighting {
         let shape = ImageShape::new_2d(vk::Format::R32G32B32A32_SFLOAT, view.size);
         let color = graph.image("lighting.color", shape);
         let direct = graph.image("lighting.direct", shape);
-        let views = ViewSet::from(*view).record(graph);
         let mut pass = graph.compute("lighting", &shader::SHADER);
-        pass.constant(shader::VIEWS, views)
-            .constant(shader::LIGHTS, input.lights)
+        pass.uniform(shader::VIEWS, &ViewSet::from(*view).block())
+            .uniform(shader::LIGHTS, input.lights)
             .uniform(shader::ENVIRONMENT, &blocks::Environment { radiance: self.environment })
             .read(shader::DEPTH, input.depth)
             .read(shader::ALBEDO, input.albedo)

@@ -13,7 +13,7 @@ pub use split::{Splits, split_distances};
 
 use super::{Filter, Receivers, map_sampler};
 use crate::geometry::Aabb;
-use crate::graph::{Data, Graph, ImageHandle, ImageShape};
+use crate::graph::{Graph, ImageHandle, ImageShape};
 use crate::scene::{Faces, GpuScene, View, ViewSet};
 use crate::shader::generated::blocks;
 use crate::shader::generated::shadow::cascaded::mask_comp as shader;
@@ -60,7 +60,7 @@ pub struct CascadedShadow {
     /// Depth maps, a layer a cascade.
     pub map: ImageHandle,
     /// Parameters for `visibility.glsl`.
-    pub parameters: Data,
+    pub parameters: blocks::Cascades,
 }
 
 impl Cascaded {
@@ -83,11 +83,10 @@ impl Cascaded {
 
         let index_shape = ImageShape::new_2d(vk::Format::R32_SFLOAT, receivers.view.size);
         let index = graph.image("shadow.cascaded.index", index_shape);
-        let parameters = graph.data(&[self.parameters(&fits, direction)]);
-        let camera = ViewSet::from(*receivers.view).record(graph);
+        let parameters = self.parameters(&fits, direction);
         let mut pass = graph.compute("shadow.cascaded.mask", &shader::SHADER);
-        pass.constant(shader::VIEWS, camera)
-            .constant(shader::CASCADES, parameters)
+        pass.uniform(shader::VIEWS, &ViewSet::from(*receivers.view).block())
+            .uniform(shader::CASCADES, &parameters)
             .read(shader::DEPTH, receivers.depth)
             .read(shader::IDS, receivers.ids)
             .sample(shader::CASCADE_MAP, &map, map_sampler());

@@ -4,13 +4,16 @@ use ash::vk;
 use glam::Vec3;
 
 use super::{Filter, Receivers, map_sampler};
-use crate::graph::{Data, Graph, ImageHandle, ImageShape};
+use crate::graph::{Graph, ImageHandle, ImageShape};
 use crate::scene::{Faces, GpuScene, Light, LightKind, Projection, View, ViewSet};
 use crate::shader::generated::blocks;
 use crate::shader::generated::shadow::spot::mask_comp as shader;
 
 /// Widest cone that one map covers, half-angle in radians. Beyond it a light has no shadow.
 pub const MAX_HALF_ANGLE: f32 = 80.0 * std::f32::consts::PI / 180.0;
+
+/// Most spot lights with a shadow; `MAX_SPOTS` in `visibility.glsl`.
+pub const MAX_SPOTS: usize = 64;
 
 /// Shadow maps of spot lights.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +37,7 @@ pub struct SpotShadows {
     /// Depth maps, a layer a light.
     pub maps: ImageHandle,
     /// Parameters for `visibility.glsl`.
-    pub parameters: Data,
+    pub parameters: blocks::SpotMaps,
 }
 
 impl Spot {
@@ -79,15 +82,18 @@ impl Spot {
             .collect();
         let maps = graph.join(drawn)?;
 
-        let head =
-            blocks::SpotMaps { spot_taps: self.filter.taps() as i32, spot_map_texel: 1.0 / self.resolution as f32 };
-        let parameters = graph.data_with_tail(&head, &records);
-        let camera = ViewSet::from(*receivers.view).record(graph);
+        let mut parameters: blocks::SpotMaps = bytemuck::Zeroable::zeroed();
+        parameters.spot_taps = self.filter.taps() as i32;
+        parameters.spot_map_texel = 1.0 / self.resolution as f32;
+        for (place, record) in parameters.spots.iter_mut().zip(records) {
+            *place = record;
+        }
+        let camera = ViewSet::from(*receivers.view).block();
         let mut written = Vec::with_capacity(masks.len());
         for (i, mask) in masks.into_iter().enumerate() {
             let mut pass = graph.compute(format!("shadow.spot.mask.{i}"), &shader::SHADER);
-            pass.constant(shader::VIEWS, camera)
-                .constant(shader::SPOT_MAPS, parameters)
+            pass.uniform(shader::VIEWS, &camera)
+                .uniform(shader::SPOT_MAPS, &parameters)
                 .read(shader::DEPTH, receivers.depth)
                 .read(shader::IDS, receivers.ids)
                 .sample(shader::SPOT_MAP, &maps, map_sampler())

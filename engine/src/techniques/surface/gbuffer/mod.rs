@@ -70,20 +70,18 @@ impl GBuffer {
 
         let views = ViewSet::from(*view);
         let frusta = views.frusta();
-        let data = views.record(graph);
         let program = Program::new(&gbuffer_vert::SHADER, Some(&gbuffer_frag::SHADER))
             .vertex_buffers(SHADED)
             .depth(vk::CompareOp::EQUAL, false)
             .set_layout(1, &scene.material_layout);
         let mut pass = graph.raster("gbuffer", vec![program]);
-        pass.constant(gbuffer_vert::VIEWS, data)
+        pass.uniform(gbuffer_vert::VIEWS, &views.block())
             .constant(gbuffer_vert::INSTANCES, &scene.instances)
-            .constant(gbuffer_frag::MATERIALS, &scene.materials)
             .depth_test(&depth);
         let none = Load::Clear([0.0; 4]);
         let albedo = pass.color(gbuffer_frag::ALBEDO, albedo, none);
         let normal = pass.color(gbuffer_frag::NORMAL, normal, none);
-        let material = pass.color(gbuffer_frag::MATERIAL, material, none);
+        let material = pass.color(gbuffer_frag::ROUGHNESS_METALLIC, material, none);
         let emissive = pass.color(gbuffer_frag::EMISSIVE, emissive, none);
         let ids = pass.color_uint(gbuffer_frag::IDS, ids, Load::Clear([0; 4]));
         pass.draw(move |recorder| {

@@ -15,9 +15,8 @@ impl Position {
     /// floats.
     pub fn record(&self, graph: &mut Graph, view: &View, depth: &ImageHandle) -> ImageHandle {
         let target = graph.image("position", ImageShape::new_2d(vk::Format::R32G32B32A32_SFLOAT, view.size));
-        let views = ViewSet::from(*view).record(graph);
         let mut pass = graph.compute("position", &shader::SHADER);
-        pass.constant(shader::VIEWS, views).read(shader::DEPTH, depth);
+        pass.uniform(shader::VIEWS, &ViewSet::from(*view).block()).read(shader::DEPTH, depth);
         let position = pass.write(shader::POSITION, target);
         pass.dispatch([view.size[0], view.size[1], 1]);
         position

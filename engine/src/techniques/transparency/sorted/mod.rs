@@ -4,7 +4,7 @@
 use glam::Vec3;
 
 use crate::gpu::{SamplerInfo, blend};
-use crate::graph::{Data, Graph, ImageHandle, Load};
+use crate::graph::{Graph, ImageHandle, Load};
 use crate::scene::{DrawClass, Faces, GpuScene, SHADED, View, ViewSet, depth};
 use crate::shader::Program;
 use crate::shader::generated::blocks;
@@ -19,12 +19,12 @@ pub struct Sorted {
 
 /// What blended surfaces are shaded with.
 pub struct ForwardLights<'h> {
-    /// Lights, from [`crate::scene::record_lights`].
-    pub lights: Data,
+    /// Lights, from [`crate::scene::light_block`].
+    pub lights: &'h blocks::Lights,
     /// Parameters and map of the cascaded shadow technique.
-    pub cascades: Option<(Data, &'h ImageHandle)>,
+    pub cascades: Option<(&'h blocks::Cascades, &'h ImageHandle)>,
     /// Parameters and maps of the spot shadow technique.
-    pub spots: Option<(Data, &'h ImageHandle)>,
+    pub spots: Option<(&'h blocks::SpotMaps, &'h ImageHandle)>,
     /// How shadow maps are sampled.
     pub sampler: SamplerInfo,
 }
@@ -46,40 +46,33 @@ impl Sorted {
             return color;
         }
         let eye = view.eye();
-        let data = views.record(graph);
-        // Dummies keep bindings filled where a technique is off: no light refers to them.
-        let no_cascades = graph.data(&[bytemuck::Zeroable::zeroed(); 1] as &[blocks::Cascades]);
-        let no_spots = graph.data_with_tail(
-            &<blocks::SpotMaps as bytemuck::Zeroable>::zeroed(),
-            &[<blocks::SpotMap as bytemuck::Zeroable>::zeroed()],
-        );
         let program = Program::new(&vertex::SHADER, Some(&fragment::SHADER))
             .vertex_buffers(SHADED)
             .depth(depth::CLOSER, false)
             .blend(blend::over())
             .set_layout(1, &scene.material_layout);
         let mut pass = graph.raster("transparency.sorted", vec![program]);
-        pass.constant(vertex::VIEWS, data)
+        pass.uniform(vertex::VIEWS, &views.block())
             .constant(vertex::INSTANCES, &scene.instances)
-            .constant(fragment::MATERIALS, &scene.materials)
-            .constant(fragment::LIGHTS, lights.lights)
+            .uniform(fragment::LIGHTS, lights.lights)
             .uniform(fragment::ENVIRONMENT, &blocks::Environment { radiance: self.environment })
             .depth_test(depth);
+        // Dummies keep the bindings of a technique that is off filled: no light refers to them.
         match lights.cascades {
-            Some((data, map)) => {
-                pass.constant(fragment::CASCADES, data).sample(fragment::CASCADE_MAP, map, lights.sampler)
+            Some((block, map)) => {
+                pass.uniform(fragment::CASCADES, block).sample(fragment::CASCADE_MAP, map, lights.sampler)
             }
-            None => pass.constant(fragment::CASCADES, no_cascades).texture(
+            None => pass.uniform(fragment::CASCADES, &bytemuck::Zeroable::zeroed()).texture(
                 fragment::CASCADE_MAP,
                 &scene.no_depth,
                 lights.sampler,
             ),
         };
         match lights.spots {
-            Some((data, map)) => {
-                pass.constant(fragment::SPOT_MAPS, data).sample(fragment::SPOT_MAP, map, lights.sampler)
+            Some((block, map)) => {
+                pass.uniform(fragment::SPOT_MAPS, block).sample(fragment::SPOT_MAP, map, lights.sampler)
             }
-            None => pass.constant(fragment::SPOT_MAPS, no_spots).texture(
+            None => pass.uniform(fragment::SPOT_MAPS, &bytemuck::Zeroable::zeroed()).texture(
                 fragment::SPOT_MAP,
                 &scene.no_depth,
                 lights.sampler,
