@@ -89,7 +89,7 @@ impl GpuScene {
                 if expansion == Expansion::Separate {
                     recorder.push(&(index as u32));
                 }
-                self.draw(recorder, faces, draws)?;
+                self.draw(recorder, faces, draws);
             }
             Ok(())
         });

@@ -6,7 +6,6 @@ use ash::vk;
 use glam::Vec3;
 
 use super::{AlphaMode, GpuScene};
-use crate::Result;
 use crate::geometry::{Aabb, Frustum};
 use crate::gpu::{VertexAttribute, VertexBuffer};
 use crate::graph::Recorder;
@@ -138,19 +137,27 @@ pub const SHADED: &[VertexBuffer<'static>] = &[
 
 impl GpuScene {
     /// Records draws with the recorder's current program.
-    pub fn draw(&self, recorder: &mut Recorder, faces: Faces, draws: &[&Draw]) -> Result<()> {
+    pub fn draw(&self, recorder: &mut Recorder, faces: Faces, draws: &[&Draw]) {
         recorder.index_buffer(&self.indices);
         recorder.vertex_buffers(&[&self.positions, &self.alpha_attributes, &self.shading_attributes]);
         for draw in draws {
-            let cull = if draw.double_sided || faces == Faces::Both {
-                vk::CullModeFlags::NONE
-            } else {
-                vk::CullModeFlags::BACK
-            };
-            recorder.faces(cull, draw.mirrored);
-            recorder.material(&self.material_sets[draw.material]);
+            self.state(recorder, faces, draw);
             recorder.draw_indexed(draw.indices.clone(), draw.vertex_offset, draw.instances.clone());
         }
-        Ok(())
+    }
+
+    /// The same for programs whose vertex shader pulls its vertices: `gl_VertexIndex` is the place in the index
+    /// buffer.
+    pub fn draw_pulled(&self, recorder: &mut Recorder, faces: Faces, draws: &[&Draw]) {
+        for draw in draws {
+            self.state(recorder, faces, draw);
+            recorder.draw(draw.indices.clone(), draw.instances.clone());
+        }
+    }
+
+    fn state(&self, recorder: &mut Recorder, faces: Faces, draw: &Draw) {
+        let both = draw.double_sided || faces == Faces::Both;
+        recorder.faces(if both { vk::CullModeFlags::NONE } else { vk::CullModeFlags::BACK }, draw.mirrored);
+        recorder.material(&self.material_sets[draw.material]);
     }
 }

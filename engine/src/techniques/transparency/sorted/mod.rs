@@ -81,7 +81,8 @@ impl Sorted {
         let color = pass.color(fragment::COLOR, color, Load::Keep);
         pass.draw(move |recorder| {
             recorder.push(&0u32);
-            scene.draw(recorder, Faces::Material, &scene.draws.back_to_front(&frustum, eye))
+            scene.draw(recorder, Faces::Material, &scene.draws.back_to_front(&frustum, eye));
+            Ok(())
         });
         color
     }
