@@ -1,15 +1,13 @@
 //! From what a frame left on the device to what goes into files.
 
-use std::collections::HashMap;
-
 use serde::Serialize;
 
 use super::{Capture, Channel, HalfReport, Metadata, Part, Samples, unpack};
-use crate::frame::{Frame, Layer, Samples as Stored};
+use crate::frame::{Frame, Layer, Samples as Stored, Source};
 use crate::gpu::Caps;
 use crate::graph::Executed;
 use crate::graph::description::Shape;
-use crate::scene::{Camera, Scene, View};
+use crate::scene::{Camera, Scene, View, parallel};
 use crate::{Error, Result};
 
 /// Layers of radiance: exposure applies to them.
@@ -51,17 +49,16 @@ impl<S: Serialize> FrameCapture<'_, S> {
     /// [`Error::Invalid`] where the frame did not leave what it announced; [`Error::Vulkan`] where memory cannot be
     /// read.
     pub fn collect(&self, frame: &Frame, executed: &Executed) -> Result<CapturedFrame> {
-        // 1. Take the images apart, each once, though several layers may lie in one.
-        let mut images = Images { executed, planes: HashMap::new() };
+        // 1. Take the images apart on all cores, each once, though several layers may lie in one.
+        let images = images(frame);
+        let fault = |index: usize| Error::invalid(format!("capture `{}`", images[index].0.capture), "cannot be read");
+        let read = parallel::map(images.len(), |index| self.image(&images[index], executed), fault)?;
         let mut parts = vec![Part { name: "frame".into(), size: self.view.size, ..Part::default() }];
         let mut lost = Vec::new();
-        for layer in &frame.layers {
-            let channels = self.channels(layer, images.planes(layer)?, &mut lost)?;
-            if layer.own_part {
-                parts.push(Part { name: layer.name.clone(), size: images.size(layer)?, channels, ..Part::default() });
-            } else {
-                parts[0].channels.extend(channels);
-            }
+        for image in read {
+            parts[0].channels.extend(image.of_frame);
+            parts.extend(image.parts);
+            lost.extend(image.lost);
         }
         // 2. A selection of nothing but shadow maps leaves no frame.
         parts.retain(|part| !part.channels.is_empty());
@@ -70,35 +67,47 @@ impl<S: Serialize> FrameCapture<'_, S> {
         Ok(CapturedFrame { capture: Capture { parts, metadata }, lost })
     }
 
-    fn channels(
-        &self,
-        layer: &Layer,
-        planes: &[Samples],
-        lost: &mut Vec<(String, HalfReport)>,
-    ) -> Result<Vec<Channel>> {
-        let narrow = layer.samples == Stored::Color && !self.float;
-        let exposed = RADIANCE.contains(&layer.name.as_str()) && self.exposure != 1.0;
-        let mut channels = Vec::with_capacity(layer.channels.len());
-        for (name, component) in &layer.channels {
-            let mut samples = planes.get(*component).cloned().ok_or_else(|| {
-                Error::invalid(format!("channel {name}"), format!("its image has only {} components", planes.len()))
-            })?;
-            // Alpha is no radiance.
-            if exposed && name != "A" {
-                samples = samples.scaled(self.exposure);
-            }
-            if narrow {
-                let report;
-                (samples, report) = samples.into_half();
+    /// Layers of one image.
+    fn image(&self, (source, layers): &(&Source, Vec<&Layer>), executed: &Executed) -> Result<Image> {
+        let (size, planes) = planes(source, executed)?;
+        let components = planes.len();
+        let mut planes: Vec<Option<Samples>> = planes.into_iter().map(Some).collect();
+        let mut image = Image::default();
+        for layer in layers {
+            let mut channels = Vec::with_capacity(layer.channels.len());
+            for (name, component) in &layer.channels {
+                let plane = planes.get_mut(*component).and_then(Option::take).ok_or_else(|| {
+                    let why = format!("it is to be component {component} of {components}, or another channel is too");
+                    Error::invalid(format!("channel {name}"), why)
+                })?;
+                let (samples, report) = self.stored(layer, name, plane);
                 if report != HalfReport::default() {
-                    lost.push((name.clone(), report));
+                    image.lost.push((name.clone(), report));
                 }
-            } else if layer.samples != Stored::Uint {
-                samples = samples.into_float();
+                channels.push(Channel::new(name, samples));
             }
-            channels.push(Channel::new(name, samples));
+            if layer.own_part {
+                image.parts.push(Part { name: layer.name.clone(), size, channels, ..Part::default() });
+            } else if size == self.view.size {
+                image.of_frame.extend(channels);
+            } else {
+                let why = format!("its size {size:?} is not the picture's");
+                return Err(Error::invalid(format!("layer {}", layer.name), why));
+            }
         }
-        Ok(channels)
+        Ok(image)
+    }
+
+    /// Samples as the file is to have them.
+    fn stored(&self, layer: &Layer, channel: &str, samples: Samples) -> (Samples, HalfReport) {
+        // Alpha is no radiance.
+        let exposed = self.exposure != 1.0 && channel != "A" && RADIANCE.contains(&layer.name.as_str());
+        let samples = if exposed { samples.scaled(self.exposure) } else { samples };
+        match layer.samples {
+            Stored::Color if !self.float => samples.into_half(),
+            Stored::Color | Stored::Float => (samples.into_float(), HalfReport::default()),
+            Stored::Uint => (samples, HalfReport::default()),
+        }
     }
 
     fn metadata(
@@ -140,8 +149,8 @@ pub fn picture(frame: &Frame, executed: &Executed) -> Result<Vec<[f32; 4]>> {
     let Some(layer) = frame.layers.iter().find(|layer| layer.name == "color") else {
         return Err(Error::invalid("the picture", "the layer `color` was not captured"));
     };
-    let mut images = Images { executed, planes: HashMap::new() };
-    let planes: Vec<Vec<f32>> = images.planes(layer)?.iter().map(|plane| plane.clone().into_f32()).collect();
+    let (_, planes) = planes(&layer.source, executed)?;
+    let planes: Vec<Vec<f32>> = planes.into_iter().map(Samples::into_f32).collect();
     let [red, green, blue, alpha] = &planes[..] else {
         return Err(Error::invalid("the picture", format!("its image has {} components, not 4", planes.len())));
     };
@@ -149,30 +158,32 @@ pub fn picture(frame: &Frame, executed: &Executed) -> Result<Vec<[f32; 4]>> {
     Ok(pixels.map(|(((&red, &green), &blue), &alpha)| [red, green, blue, alpha]).collect())
 }
 
-/// Images of a frame, taken apart on demand.
-struct Images<'a> {
-    executed: &'a Executed,
-    planes: HashMap<(&'a str, u32), Vec<Samples>>,
+/// What one image gives.
+#[derive(Default)]
+struct Image {
+    of_frame: Vec<Channel>,
+    parts: Vec<Part>,
+    lost: Vec<(String, HalfReport)>,
 }
 
-impl<'a> Images<'a> {
-    fn planes(&mut self, layer: &'a Layer) -> Result<&[Samples]> {
-        let key = (layer.source.capture.as_str(), layer.source.layer);
-        if !self.planes.contains_key(&key) {
-            let capture = self.executed.capture(key.0)?;
-            let Shape::Image(shape) = &capture.shape else {
-                return Err(Error::invalid(format!("capture `{}`", key.0), "is a buffer, not an image"));
-            };
-            let planes = capture.layer(key.1, |texels| unpack(shape.format, texels))??;
-            self.planes.insert(key, planes);
+/// Captured images, each with its layers, in the order of their first layers.
+fn images(frame: &Frame) -> Vec<(&Source, Vec<&Layer>)> {
+    let mut images: Vec<(&Source, Vec<&Layer>)> = Vec::new();
+    for layer in &frame.layers {
+        match images.iter_mut().find(|(source, _)| **source == layer.source) {
+            Some((_, layers)) => layers.push(layer),
+            None => images.push((&layer.source, vec![layer])),
         }
-        Ok(&self.planes[&key])
     }
+    images
+}
 
-    fn size(&self, layer: &Layer) -> Result<[u32; 2]> {
-        match &self.executed.capture(&layer.source.capture)?.shape {
-            Shape::Image(shape) => Ok([shape.extent[0], shape.extent[1]]),
-            Shape::Buffer { .. } => Err(Error::invalid(format!("layer `{}`", layer.name), "is a buffer, not an image")),
-        }
-    }
+/// Size of a captured image, and its components.
+fn planes(source: &Source, executed: &Executed) -> Result<([u32; 2], Vec<Samples>)> {
+    let capture = executed.capture(&source.capture)?;
+    let Shape::Image(shape) = &capture.shape else {
+        return Err(Error::invalid(format!("capture `{}`", source.capture), "is a buffer, not an image"));
+    };
+    let planes = capture.layer(source.layer, |texels| unpack(shape.format, texels))??;
+    Ok(([shape.extent[0], shape.extent[1]], planes))
 }

@@ -11,7 +11,7 @@ mod light;
 mod light_buffer;
 mod material;
 mod mesh;
-mod parallel;
+pub(crate) mod parallel;
 mod upload;
 mod view_set;
 

@@ -39,13 +39,18 @@ pub fn run(arguments: &CaptureArguments, start: Start) -> Result<()> {
     told.into_iter().try_for_each(print)
 }
 
-/// Refuses names of files that would mislead.
+/// Refuses, before any work is done, names of files that would mislead and folders that are not there.
 fn check_names(arguments: &CaptureArguments) -> Result<()> {
     let ends_with = |path: &Path, end: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
     let files = [("--output", &arguments.output, "exr"), ("--png", &arguments.png, "png")];
     for (option, path, end) in files {
-        if let Some(path) = path.as_deref().filter(|path| !ends_with(path, end)) {
+        let Some(path) = path else { continue };
+        if !ends_with(path, end) {
             return Err(Failure::input(format!("{option} {}: the name must end in .{end}", path.display())));
+        }
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        if !folder.is_dir() {
+            return Err(Failure::input(format!("{option} {}: there is no such folder", path.display())));
         }
     }
     Ok(())

@@ -196,7 +196,7 @@ pub struct BenchArguments {
     #[arg(long, value_name = "COUNT", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub runs: u32,
     /// Scene of `capture`
-    #[arg(long, value_parser = arguments::scene, default_value = "builtin:cornell")]
+    #[arg(long, value_parser = arguments::scene, default_value = "builtin:courtyard")]
     pub scene: SceneSource,
     /// Size of the picture
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x720")]

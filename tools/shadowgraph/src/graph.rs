@@ -21,7 +21,8 @@ pub fn run(arguments: &GraphArguments) -> Result<()> {
     session::record(&settings, &mut graph, &scene)?;
     let plan = graph.compile(&gpu).map_err(shadowgraph::Error::from)?;
     let text = text(&plan, graph.description(), arguments.format);
-    drop((graph, scene));
+    drop(graph);
+    drop(scene);
     session::close(gpu)?;
     print(text?)
 }

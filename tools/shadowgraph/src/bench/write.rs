@@ -116,7 +116,7 @@ fn pixel(x: u32, y: u32, height: u32) -> Pixel {
     let depth = 1.0 / below;
     let position = [(x as f32 / height as f32 - 0.9) * depth, depth];
     let cell = position.map(|p| (p * 4.0).floor());
-    let tile = 1 + ((cell[0] as i32 + 1000) as u32 * 31 + cell[1] as u32) % 64;
+    let tile = 1 + ((cell[0] as i32 as u32).wrapping_mul(31).wrapping_add(cell[1] as u32)) % 64;
     // 8-bit noise on a base colour, as textures have it.
     let grain = position.map(|p| (p * 400.0) as i32 as u32);
     let hash = grain[0].wrapping_mul(0x9E37_79B1) ^ grain[1].wrapping_mul(0x85EB_CA77);
