@@ -26,6 +26,9 @@ pub struct TestOptions {
     pub portable: bool,
     /// Run only tests whose names contain one of these.
     pub filter: Vec<String>,
+    /// A tool that a test needs and that is missing is a failure.
+    #[arg(skip)]
+    pub strict: bool,
     /// Arguments for the test programs, such as --nocapture.
     #[arg(last = true)]
     pub arguments: Vec<String>,
@@ -56,6 +59,9 @@ pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<()> {
     }
     if options.long {
         command.arg("--include-ignored").env("PROPTEST_CASES", "4096");
+    }
+    if options.strict {
+        command.env("SHADOWGRAPH_CI", "1");
     }
     set_environment(&mut command, workspace, driver, &skipped)?;
 
