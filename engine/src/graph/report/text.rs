@@ -84,19 +84,6 @@ fn scope(access: &Access) -> String {
 
 /// A range, where it is not all.
 fn part(shape: &Shape, range: &Range) -> String {
-    if shape.whole() == *range {
-        return String::new();
-    }
-    match (shape.whole(), range) {
-        (Range::Image { aspects: all, mips: ms, layers: ls }, Range::Image { aspects, mips, layers }) => {
-            let span = |what: &str, part: &[u32; 2], all: [u32; 2]| match part {
-                _ if *part == all => String::new(),
-                [first, end] => format!(" {what} {first}..{end}"),
-            };
-            let aspects = if *aspects == all { String::new() } else { format!(" {aspects:?}") };
-            format!("{aspects}{}{}", span("mips", mips, ms), span("layers", layers, ls))
-        }
-        (_, Range::Buffer([first, end])) => format!(" bytes {first}..{end}"),
-        _ => String::new(),
-    }
+    let part = super::data::part(shape, range);
+    if part.is_empty() { part } else { format!(" {part}") }
 }
