@@ -33,7 +33,10 @@ fn lacks(technique: &Technique) -> Vec<String> {
     let text = fs::read_to_string(root.join(&test)).unwrap_or_default();
     ask(!text.is_empty(), test.clone());
     for what in ["agrees_with_its_reference", "with_a_seeded_mistake_is_caught"] {
-        ask(text.contains(&format!("fn {family}_{name}_{what}()")), format!("the test {family}_{name}_{what} in {test}"));
+        ask(
+            text.contains(&format!("fn {family}_{name}_{what}()")),
+            format!("the test {family}_{name}_{what} in {test}"),
+        );
     }
 
     let page = format!("docs/src/techniques/{family}/{name}.md");
