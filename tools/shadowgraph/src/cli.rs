@@ -109,9 +109,10 @@ pub struct FrameArguments {
 /// Arguments of `capture`.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "\
-Layers: color (R,G,B,A), Z (distance along the view axis, m), N (normal) and P (position) in world space, albedo,
-roughness, metallic, occlusion, emissive, direct (light that came straight from lamps), id.object, id.primitive,
-id.material (from 1; names in the header), shadow.LIGHT, cascade.index, and shadow maps as parts map.*.
+Layers: color (R,G,B,A), Z (distance along the view axis, m), N (normal) and P (position) in world space, \
+albedo, roughness, metallic, occlusion, emissive, direct (light that came straight from lamps), id.object, \
+id.primitive, id.material (from 1; names in the header), shadow.LIGHT, cascade.index, and shadow maps as parts \
+map.LIGHT.
 
 Examples:
   shadowgraph capture scene.glb -o out.exr
