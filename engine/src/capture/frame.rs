@@ -41,7 +41,7 @@ pub struct CapturedFrame {
     pub lost: Vec<(String, HalfReport)>,
 }
 
-impl<S: Serialize> FrameCapture<'_, S> {
+impl<S: Serialize + Sync> FrameCapture<'_, S> {
     /// Reads the captured images and sorts them into parts: `frame` with all layers of the picture, and a part for each
     /// layer of another size.
     ///

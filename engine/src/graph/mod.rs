@@ -7,6 +7,7 @@ mod execute;
 mod handle;
 mod pass;
 pub mod plan;
+pub mod report;
 mod record;
 
 pub use builder::{Data, Graph};

@@ -74,7 +74,9 @@ pub(super) fn pending(context: &Context, placed: &Placed) -> Vec<Pending> {
         // What the contents were made visible to since they were written.
         let mut visible: Vec<(Stages, Mask)> = Vec::new();
         if let Some(arrived) = groups.first().filter(|group| group.first == At::START && !group.write) {
-            visible.push((arrived.access.stages, arrived.access.mask));
+            let Access { stages, mask, .. } = arrived.access;
+            let idle = stages.is_empty();
+            visible.push(if idle { (Stages::from_raw(!0), Mask::from_raw(!0)) } else { (stages, mask) });
         }
         for pair in groups.windows(2) {
             between(context, cell, &pair[0], &pair[1], &mut visible, &mut pending);
@@ -165,7 +167,8 @@ fn between(
     if crosses {
         // The semaphore made everything visible. What stands here has to come behind it.
         if transition || ownership.is_some() {
-            let from = Access { stages: next.access.stages, mask: Mask::NONE, layout };
+            let stages = if next.access.stages.is_empty() { Stages::ALL_COMMANDS } else { next.access.stages };
+            let from = Access { stages, mask: Mask::NONE, layout };
             push(next.first, false, Kind { from, ..kind });
         }
         visible.clear();
@@ -237,9 +240,17 @@ impl Context<'_> {
         self.versions.cells.resource(pending.cell)
     }
 
-    /// Queues that take imported resources over from graphics at the start.
+    /// Queues that use imported resources first: they wait for what graphics did to them before the frame, and for
+    /// their release.
     pub(super) fn takers(&self, pending: &[Pending]) -> Vec<Queue> {
+        let cells = 0..self.versions.cells.len() as u32;
+        let arrived = cells.filter_map(|cell| match self.history.of(cell) {
+            [first, next, ..] if first.first == At::START && !first.access.stages.is_empty() => Some(next.queue),
+            _ => None,
+        });
         let releases = pending.iter().filter(|barrier| barrier.release && barrier.at == At::START);
-        releases.filter_map(|barrier| barrier.kind.after.index()).map(|step| self.schedule.queues[step]).collect()
+        let released = releases.filter_map(|barrier| barrier.kind.after.index());
+        let takers = arrived.chain(released.map(|step| self.schedule.queues[step]));
+        takers.filter(|queue| *queue != Queue::Graphics).collect()
     }
 }
