@@ -19,7 +19,7 @@ pub struct TestOptions {
     /// The Vulkan driver; the system's lavapipe where it is installed.
     #[arg(long)]
     pub driver: Option<Driver>,
-    /// Run the long tests as well, and more random cases.
+    /// Run the ignored tests as well, and many more random cases.
     #[arg(long)]
     pub long: bool,
     /// Run only the tests that every driver must pass.
@@ -119,7 +119,7 @@ fn test_command(workspace: &Workspace, options: &TestOptions, selection: &[&str]
         command.env("SHADOWGRAPH_SCENES", scenes);
     }
     if options.long {
-        command.arg("--include-ignored").env("PROPTEST_CASES", "4096");
+        command.arg("--include-ignored").env("SHADOWGRAPH_LONG", "1");
     }
     if options.strict {
         command.env("SHADOWGRAPH_CI", "1");
