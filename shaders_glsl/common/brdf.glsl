@@ -3,8 +3,8 @@
 
 const float PI = 3.14159265358979;
 
-// Smoother than this a highlight is thinner than float arithmetic can follow.
-const float MIN_ALPHA = 1e-3;
+// Smoother than this a highlight is thinner than float arithmetic can follow (Filament, section 4.8.3.3).
+const float MIN_ROUGHNESS = 0.089;
 
 struct Reflectance {
     vec3 diffuse; // c_diff
@@ -16,7 +16,8 @@ Reflectance reflectance(vec3 albedo, float metallic, float roughness) {
     Reflectance r;
     r.diffuse = albedo * (1.0 - metallic);
     r.f0 = mix(vec3(0.04), albedo, metallic);
-    r.alpha = max(roughness * roughness, MIN_ALPHA);
+    float bounded = max(roughness, MIN_ROUGHNESS);
+    r.alpha = bounded * bounded;
     return r;
 }
 
@@ -26,7 +27,7 @@ vec3 brdf_cosine(Reflectance r, vec3 n, vec3 v, vec3 l) {
     if (n_l <= 0.0) {
         return vec3(0.0);
     }
-    float n_v = max(dot(n, v), 1e-4);
+    float n_v = abs(dot(n, v));
     vec3 h = normalize(v + l);
     float n_h = clamp(dot(n, h), 0.0, 1.0);
     float v_h = clamp(dot(v, h), 0.0, 1.0);
@@ -44,13 +45,22 @@ vec3 brdf_cosine(Reflectance r, vec3 n, vec3 v, vec3 l) {
     return ((1.0 - fresnel) * r.diffuse / PI + fresnel * (distribution * visibility)) * n_l;
 }
 
-// Share of a constant environment that the specular lobe reflects: Karis's fit ("Physically based shading on
-// mobile", 2014) of the split-sum integral.
-vec3 specular_albedo(vec3 f0, float roughness, float n_v) {
-    const vec4 c0 = vec4(-1.0, -0.0275, -0.572, 0.022);
-    const vec4 c1 = vec4(1.0, 0.0425, 1.04, -0.04);
-    vec4 r = roughness * c0 + c1;
-    float a = min(r.x * r.x, exp2(-9.28 * n_v)) * r.x + r.y;
-    vec2 scale_bias = vec2(-1.04, 1.04) * a + r.zw;
-    return f0 * scale_bias.x + scale_bias.y;
+// Share of a constant environment that the specular lobe reflects: the rational fit of MaterialX
+// (`mx_ggx_dir_albedo_analytic`), made for this distribution and Smith term.
+vec3 specular_albedo(Reflectance r, float n_v) {
+    float x = n_v;
+    float y = r.alpha;
+    float x2 = x * x;
+    float y2 = y * y;
+    vec4 p = vec4(0.1003, 0.9345, 1.0, 1.0)
+        + vec4(-0.6303, -2.323, -1.765, 0.2281) * x
+        + vec4(9.748, 2.229, 8.263, 15.94) * y
+        + vec4(-2.038, -3.748, 11.53, -55.83) * (x * y)
+        + vec4(29.34, 1.424, 28.96, 13.08) * x2
+        + vec4(-8.245, -0.7684, -7.507, 41.26) * y2
+        + vec4(-26.44, 1.436, -36.11, 54.9) * (x2 * y)
+        + vec4(19.99, 0.2913, 15.86, 300.2) * (x * y2)
+        + vec4(-5.448, 0.6286, 33.37, -285.1) * (x2 * y2);
+    vec2 scale_bias = clamp(p.xy / p.zw, 0.0, 1.0);
+    return r.f0 * scale_bias.x + scale_bias.y;
 }

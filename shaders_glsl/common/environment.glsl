@@ -4,7 +4,7 @@ layout(set = 0, binding = 12, scalar) uniform Environment {
 } environment;
 
 // Reflected towards the viewer: diffuse plus split-sum specular, both under ambient occlusion.
-vec3 environment_reflection(Reflectance r, float roughness, float occlusion, float n_v) {
-    vec3 specular = specular_albedo(r.f0, roughness, n_v);
+vec3 environment_reflection(Reflectance r, float occlusion, float n_v) {
+    vec3 specular = specular_albedo(r, n_v);
     return environment.radiance * occlusion * (r.diffuse * (1.0 - specular) + specular);
 }

@@ -7,6 +7,8 @@ struct Instance {
     uint object; // from 1
     uint material; // index into materials
     uint first_primitive; // triangles of the mesh before this primitive's
+    uint first_index; // of its triangles, in the scene's index buffer
+    int vertex_offset; // added to each index
 };
 
 layout(set = 0, binding = 1, scalar) readonly buffer Instances {

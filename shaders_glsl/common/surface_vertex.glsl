@@ -3,12 +3,41 @@
 #include "common/views.glsl"
 #include "common/instances.glsl"
 
+#ifdef PULL_VERTICES
+// Vertices fetched by hand, without an index buffer, so that the vertex shader knows its triangle: a fragment shader's
+// gl_PrimitiveID asks for geometry shaders, which not every device has.
+struct AlphaVertex {
+    vec2 uv0;
+    vec2 uv1;
+    vec4 color;
+};
+
+struct ShadingVertex {
+    vec3 normal;
+    vec4 tangent;
+};
+
+layout(set = 0, binding = 17, scalar) readonly buffer Indices {
+    uint indices[];
+};
+layout(set = 0, binding = 18, scalar) readonly buffer Positions {
+    vec3 positions[];
+};
+layout(set = 0, binding = 19, scalar) readonly buffer AlphaVertices {
+    AlphaVertex alpha_vertices[];
+};
+layout(set = 0, binding = 20, scalar) readonly buffer ShadingVertices {
+    ShadingVertex shading_vertices[];
+};
+layout(location = 6) flat out uint out_primitive;
+#else
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec2 uv0;
 layout(location = 2) in vec2 uv1;
 layout(location = 3) in vec4 color;
 layout(location = 4) in vec3 normal;
 layout(location = 5) in vec4 tangent;
+#endif
 
 layout(location = 0) out vec3 out_normal;
 layout(location = 1) out vec4 out_tangent;
@@ -21,6 +50,16 @@ invariant gl_Position;
 
 void main() {
     Instance instance = instances[gl_InstanceIndex];
+#ifdef PULL_VERTICES
+    uint vertex = indices[gl_VertexIndex] + instance.vertex_offset;
+    vec3 position = positions[vertex];
+    vec2 uv0 = alpha_vertices[vertex].uv0;
+    vec2 uv1 = alpha_vertices[vertex].uv1;
+    vec4 color = alpha_vertices[vertex].color;
+    vec3 normal = shading_vertices[vertex].normal;
+    vec4 tangent = shading_vertices[vertex].tangent;
+    out_primitive = (uint(gl_VertexIndex) - instance.first_index) / 3u;
+#endif
     vec3 world = transform_point(instances[gl_InstanceIndex], position);
     gl_Position = views[VIEW_INDEX].clip_from_world * vec4(world, 1.0);
     out_position = world;

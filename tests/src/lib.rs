@@ -4,9 +4,10 @@
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 pub mod compare;
+pub mod device;
 pub mod exr_file;
 pub mod harness;
-pub mod hazard;
+pub mod judge;
 pub mod parallel;
 pub mod tiny;
 pub mod twin;

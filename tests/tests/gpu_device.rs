@@ -13,7 +13,7 @@ fn a_device_opens_and_closes() {
     let gpu = gpu();
     let caps = gpu.caps();
     println!("{}", caps.title());
-    assert!(!caps.device.is_empty() && !caps.driver.is_empty() && !caps.driver_info.is_empty());
+    assert!(!caps.device.is_empty() && !caps.driver.is_empty());
     assert!(caps.api_version >= [1, 3, 0]);
     assert!(caps.limits.max_image_dimension_2d >= 4096);
     assert!(caps.queue_families[caps.queue_family as usize].graphics);
@@ -38,6 +38,10 @@ fn without_validation_there_is_no_layer() {
 #[test]
 fn gpu_assisted_validation_opens() {
     let gpu = Gpu::headless(GpuOptions { validation: Validation::GpuAssisted, ..Default::default() }).unwrap();
+    // Without 64-bit integers the layer says what it leaves out.
+    let said = gpu.messages().take();
+    let int64 = gpu.caps().has(Feature::Int64);
+    assert!(said.iter().all(|m| !int64 && m.text.contains("shaderInt64")), "{said:?}");
     finish(gpu);
 }
 
@@ -177,8 +181,9 @@ fn a_dropped_object_lives_until_the_device_is_done() {
     let gpu = gpu();
     let usage = vk::BufferUsageFlags::TRANSFER_DST | vk::BufferUsageFlags::TRANSFER_SRC;
     let result = buffer(&gpu, "result", 64, vk::BufferUsageFlags::TRANSFER_DST, Memory::Readback);
+    let mut in_use = gpu.memory_in_use();
     for round in 0..20u32 {
-        let source = buffer(&gpu, "source", 64, usage, Memory::Device);
+        let source = buffer(&gpu, "source", 65_536, usage, Memory::Device);
         let commands = gpu.commands("frame").unwrap();
         // SAFETY: live buffers.
         unsafe {
@@ -206,6 +211,9 @@ fn a_dropped_object_lives_until_the_device_is_done() {
     gpu.wait_idle().unwrap();
     assert_eq!(gpu.live_objects(), ["buffer \"result\""]);
     drop(result);
+    // All that is left are the breadcrumbs of command buffers that are kept to be used again.
+    in_use = gpu.memory_in_use().saturating_sub(in_use);
+    assert!(in_use <= 4 * 16_384, "{in_use} bytes");
     finish(gpu);
 }
 

@@ -9,7 +9,7 @@ use shadowgraph::gpu::{
     ColorTarget, Commands, Constant, DepthState, Descriptor, Feature, Gpu, GraphicsPipelineInfo, Image, ImageInfo,
     Memory, Pipeline, QueryKind, SamplerInfo, VertexAttribute, VertexBuffer, blend,
 };
-use shadowgraph::shader::{Binding, BindingKind, Output, OutputScalar, Shader, ShaderAccess, Stage};
+use shadowgraph::shader::{Binding, BindingKind, ImageType, Input, Output, OutputScalar, Shader, ShaderAccess, Stage};
 
 const STORAGE: vk::BufferUsageFlags = vk::BufferUsageFlags::STORAGE_BUFFER;
 
@@ -52,7 +52,7 @@ fn bind(commands: &Commands, pipeline: &Pipeline, set: vk::DescriptorSet) {
 #[test]
 fn a_compute_pipeline_computes() {
     let gpu = gpu();
-    let constants = [(5, Constant::U32(3)), (6, Constant::Bool(true))];
+    let constants = [(6, Constant::Bool(true)), (5, Constant::U32(3))];
     let pipeline = gpu.compute_pipeline("scale", scale(), &constants).unwrap();
     assert_eq!(pipeline.workgroup(), [64, 1, 1]);
     assert_eq!(pipeline.constants(), constants);
@@ -119,6 +119,59 @@ fn incomplete_sets_are_errors() {
     finish(gpu);
 }
 
+#[test]
+fn an_image_is_what_the_shader_takes_it_for() {
+    const PICTURE: Binding = Binding {
+        image: Some(ImageType {
+            view: vk::ImageViewType::TYPE_2D_ARRAY,
+            multisampled: false,
+            comparison: false,
+            format: vk::Format::R32_UINT,
+        }),
+        ..binding(0, "picture", BindingKind::StorageImage, ShaderAccess::Write)
+    };
+    static BINDINGS: [Binding; 1] = [PICTURE];
+    let source = "#version 460
+        layout(local_size_x = 4, local_size_y = 4) in;
+        layout(set = 0, binding = 0, r32ui) writeonly uniform uimage2DArray picture;
+        void main() {
+            uvec3 at = gl_GlobalInvocationID;
+            imageStore(picture, ivec3(at), uvec4(at.x + 10 * at.y + 100 * at.z));
+        }";
+    let gpu = gpu();
+    let shader = shader(Stage::Compute, "store.comp", source, &BINDINGS, &[], [4, 4, 1]);
+    let pipeline = gpu.compute_pipeline("store", shader, &[]).unwrap();
+    let image = |format, usage| {
+        let usage = usage | vk::ImageUsageFlags::TRANSFER_SRC;
+        let info = ImageInfo { name: "picture", format, extent: [4, 4, 1], layers: 2, usage, ..Default::default() };
+        gpu.create_image(&info).unwrap()
+    };
+    let good = image(vk::Format::R32_UINT, vk::ImageUsageFlags::STORAGE);
+    let float = image(vk::Format::R32_SFLOAT, vk::ImageUsageFlags::STORAGE);
+    let sampled = image(vk::Format::R32_UINT, vk::ImageUsageFlags::SAMPLED);
+    let layout = vk::ImageLayout::GENERAL;
+    let layer = Descriptor::Image { image: good.clone(), view: good.whole().layer(0), layout };
+    for (bad, part) in [
+        (layer, "TYPE_2D_ARRAY"),
+        (Descriptor::storage(&float), "R32_SFLOAT"),
+        (Descriptor::storage(&sampled), "STORAGE"),
+    ] {
+        let text = gpu.descriptor_set("set", &pipeline, 0, &[(0, bad)]).err().unwrap().to_string();
+        assert!(text.contains("\"picture\"") && text.contains(part), "{text}");
+    }
+    let set = gpu.descriptor_set("set", &pipeline, 0, &[(0, Descriptor::storage(&good))]).unwrap();
+    let commands = gpu.commands("store").unwrap();
+    transition(&commands, &good, vk::ImageLayout::UNDEFINED, layout);
+    bind(&commands, &pipeline, set.raw());
+    // SAFETY: a pipeline and its set are bound.
+    unsafe { gpu.raw().cmd_dispatch(commands.raw(), 1, 1, 2) };
+    gpu.submit(commands).unwrap();
+    let texels: Vec<u32> = bytemuck::pod_collect_to_vec(&read_image(&gpu, &good, 0, 1, layout));
+    assert_eq!(texels, (0..16).map(|i| 100 + i % 4 + 10 * (i / 4)).collect::<Vec<_>>());
+    drop((set, good, float, sampled, pipeline));
+    finish(gpu);
+}
+
 /// A triangle of positions and a colour from a uniform block, textured by one texel.
 fn triangle_shaders() -> [&'static Shader; 2] {
     static VERTEX: [Binding; 1] = [binding(0, "tint", BindingKind::UniformBuffer, ShaderAccess::Read)];
@@ -164,9 +217,7 @@ struct Scene {
     color: Image,
     depth: Image,
     vertices: shadowgraph::gpu::Buffer,
-    tint: shadowgraph::gpu::Buffer,
     set: shadowgraph::gpu::DescriptorSet,
-    picture: Image,
 }
 
 impl Scene {
@@ -192,7 +243,7 @@ impl Scene {
             (1, Descriptor::texture(&picture, gpu.sampler(&SamplerInfo::default()).unwrap())),
         ];
         let set = gpu.descriptor_set("triangle", pipeline, 0, &descriptors).unwrap();
-        Scene { color, depth, vertices, tint, set, picture }
+        Scene { color, depth, vertices, set }
     }
 
     /// Draws the triangle; `around` is called before and after the draw.
@@ -332,6 +383,11 @@ fn wrong_pipelines_are_errors() {
         change(&mut shader);
         Box::leak(Box::new(shader))
     };
+    static INPUTS: [Input; 1] = [Input { location: 4, name: "corner", scalar: OutputScalar::Float, components: 3 }];
+    let mut far_vertex = *shaders[0];
+    far_vertex.inputs = &INPUTS;
+    let far_vertex: &'static Shader = Box::leak(Box::new(far_vertex));
+    let short = [VertexBuffer { stride: 8, ..POSITIONS[0] }];
     let masked = [ColorTarget { blend: blend::none(), ..ColorTarget::new(vk::Format::R8G8B8A8_UNORM) }];
     let cases: Vec<(GraphicsPipelineInfo, &[&str])> = vec![
         (
@@ -343,6 +399,8 @@ fn wrong_pipelines_are_errors() {
             &["other.frag", "R8G8B8A8_UNORM"],
         ),
         (GraphicsPipelineInfo { fragment: Some(with(&|s| s.outputs = &FAR)), ..good }, &["\"extra\"", "location 2"]),
+        (GraphicsPipelineInfo { vertex: far_vertex, ..good }, &["triangle.vert", "\"corner\"", "location 4"]),
+        (GraphicsPipelineInfo { vertex_buffers: &short, ..good }, &["stride of 8"]),
         (GraphicsPipelineInfo { fragment: None, ..good }, &["does not write attachment 0"]),
         (GraphicsPipelineInfo { fragment: Some(shaders[0]), ..good }, &["triangle.vert", "Fragment"]),
         (GraphicsPipelineInfo { view_mask: 1 << 31, ..good }, &["multiview of 32 views"]),

@@ -126,7 +126,9 @@ impl Metadata {
     /// # Errors
     /// None in practice: a time that is no number becomes `null`.
     pub fn add_pass_times<'a>(&mut self, passes: impl IntoIterator<Item = (&'a str, f64)>) -> Result<()> {
-        let passes: Vec<(&str, f64)> = passes.into_iter().collect();
+        // To the nanosecond: more digits are noise.
+        let passes: Vec<(&str, f64)> =
+            passes.into_iter().map(|(name, time)| (name, (time * 1e6).round() / 1e6)).collect();
         self.add_json("shadowgraph/passes", &passes)
     }
 

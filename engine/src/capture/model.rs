@@ -1,6 +1,7 @@
 //! What a capture is made of: parts with named channels.
 
 use half::f16;
+use half::slice::HalfFloatSliceExt;
 
 use super::{HalfReport, Metadata, to_half};
 
@@ -61,15 +62,51 @@ impl Samples {
         self.len() == 0
     }
 
-    /// The same samples with 32-bit floats narrowed to 16 bits, and what that changed. Others are left alone.
+    /// The same samples with floats as half-floats, and what that changed: see [`to_half`]. Half-floats that are
+    /// infinite already count and are clamped likewise. Integers are left alone.
     pub fn into_half(self) -> (Self, HalfReport) {
         match self {
             Self::F32(values) => {
                 let (values, report) = to_half(&values);
                 (Self::F16(values), report)
             }
-            other => (other, HalfReport::default()),
+            Self::F16(mut values) => {
+                let mut report = HalfReport::default();
+                for value in &mut values {
+                    report.not_a_number += u64::from(value.is_nan());
+                    if value.is_infinite() {
+                        report.clamped += 1;
+                        *value = f16::MAX.copysign(*value);
+                    }
+                }
+                (Self::F16(values), report)
+            }
+            Self::U32(values) => (Self::U32(values), HalfReport::default()),
         }
+    }
+
+    /// The same samples with half-floats as 32-bit floats. Integers are left alone.
+    pub fn into_float(self) -> Self {
+        match self {
+            Self::F16(_) => Self::F32(self.into_f32()),
+            other => other,
+        }
+    }
+
+    /// The values as 32-bit floats; of integers, the nearest.
+    pub fn into_f32(self) -> Vec<f32> {
+        match self {
+            Self::F16(values) => values.to_f32_vec(),
+            Self::F32(values) => values,
+            Self::U32(values) => values.into_iter().map(|value| value as f32).collect(),
+        }
+    }
+
+    /// The same samples times a factor, as 32-bit floats.
+    pub(super) fn scaled(self, factor: f32) -> Self {
+        let mut values = self.into_f32();
+        values.iter_mut().for_each(|value| *value *= factor);
+        Self::F32(values)
     }
 
     pub(super) fn bytes_per_sample(&self) -> usize {

@@ -25,10 +25,17 @@ pub fn unpack(format: vk::Format, bytes: &[u8]) -> Result<Vec<Samples>> {
         F::R8_UNORM => planes(bytes, 1, unorm8).map(floats),
         F::R8G8_UNORM => planes(bytes, 2, unorm8).map(floats),
         F::R8G8B8A8_UNORM => planes(bytes, 4, unorm8).map(floats),
-        F::R8G8B8A8_SRGB => planes(bytes, 4, unorm8).map(|mut planes| {
-            planes[..3].iter_mut().flatten().for_each(|encoded| *encoded = from_srgb(*encoded));
-            floats(planes)
-        }),
+        F::R8G8B8A8_SRGB => {
+            let linear: [f32; 256] = std::array::from_fn(|byte| from_srgb(byte as f32 / 255.0));
+            planes(bytes, 4, |byte: [u8; 1]| byte[0]).map(|planes| {
+                let decode = |(component, plane): (usize, Vec<u8>)| {
+                    // Alpha is linear as it is.
+                    let value = |byte: u8| if component < 3 { linear[usize::from(byte)] } else { unorm8([byte]) };
+                    plane.into_iter().map(value).collect()
+                };
+                floats(planes.into_iter().enumerate().map(decode).collect())
+            })
+        }
         F::R8_UINT => planes(bytes, 1, byte).map(uints),
         F::R16_UINT => planes(bytes, 1, short).map(uints),
         F::R16_UNORM | F::D16_UNORM => {

@@ -84,7 +84,7 @@ impl Caps {
 
     /// Device and driver in one line.
     pub fn title(&self) -> String {
-        format!("{} ({} {})", self.device, self.driver, self.driver_info)
+        format!("{} ({})", self.device, format!("{} {}", self.driver, self.driver_info).trim())
     }
 }
 

@@ -79,6 +79,8 @@ fn difference(a: &Binding, b: &Binding) -> Option<String> {
         Some(format!("{:?} has {} and {} elements", a.name, a.count, b.count))
     } else if a.size != b.size {
         Some(format!("{:?} has {} and {} bytes", a.name, a.size, b.size))
+    } else if a.image != b.image {
+        Some(format!("{:?} is {:?} and {:?}", a.name, a.image, b.image))
     } else {
         None
     }
@@ -254,11 +256,21 @@ mod tests {
     use crate::shader::Push;
 
     const fn binding(binding: u32, name: &'static str, kind: BindingKind, access: ShaderAccess) -> Binding {
-        Binding { set: 0, binding, name, kind, access, count: 1, size: 0 }
+        Binding { set: 0, binding, name, kind, access, count: 1, size: 0, image: None }
     }
 
     const fn shader(file: &'static str, stage: Stage, bindings: &'static [Binding], push: Option<Push>) -> Shader {
-        Shader { file, stage, spirv: &[], bindings, push, outputs: &[], workgroup: [0; 3], capabilities: &[] }
+        Shader {
+            file,
+            stage,
+            spirv: &[],
+            bindings,
+            push,
+            inputs: &[],
+            outputs: &[],
+            workgroup: [0; 3],
+            capabilities: &[],
+        }
     }
 
     static VERTEX: Shader = shader(

@@ -88,9 +88,9 @@ impl Heap {
     /// Where in the device's memory a resource with these requirements lies at `offset`.
     fn place(&self, what: &str, offset: u64, needs: Requirements) -> Result<(vk::DeviceMemory, u64)> {
         let has = self.0.requirements;
-        let why = if offset % needs.alignment != 0 {
+        let why = if !offset.is_multiple_of(needs.alignment) {
             format!("offset {offset} is no multiple of {}", needs.alignment)
-        } else if self.0.offset % needs.alignment != 0 {
+        } else if !self.0.offset.is_multiple_of(needs.alignment) {
             format!("the heap is aligned to {}, not to {}", has.alignment, needs.alignment)
         } else if offset.checked_add(needs.size).is_none_or(|end| end > has.size) {
             format!("{} bytes at {offset} do not fit into {}", needs.size, has.size)

@@ -152,9 +152,12 @@ unsafe fn message_of(
     severity: vk::DebugUtilsMessageSeverityFlagsEXT,
     data: &vk::DebugUtilsMessengerCallbackDataEXT<'_>,
 ) -> Option<Message> {
-    // SAFETY: null or a C string, by the specification.
     let string = |p: *const std::ffi::c_char| {
-        (!p.is_null()).then(|| unsafe { CStr::from_ptr(p) }.to_string_lossy().into_owned()).unwrap_or_default()
+        if p.is_null() {
+            return String::new();
+        }
+        // SAFETY: a C string, by the specification.
+        unsafe { CStr::from_ptr(p) }.to_string_lossy().into_owned()
     };
     // SAFETY: pointers and counts belong together; an array of length 0 may be null.
     unsafe fn slice<'a, T>(first: *const T, count: u32) -> &'a [T] {

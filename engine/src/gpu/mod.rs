@@ -16,10 +16,12 @@ mod buffer;
 mod caps;
 mod commands;
 mod descriptor;
+mod descriptor_writes;
 mod device;
 mod features;
 mod format;
 mod image;
+mod image_info;
 mod instance;
 mod layout;
 mod memory;
@@ -44,7 +46,8 @@ pub use caps::{Caps, DeviceKind, Feature, Limits, QueueFamily};
 pub use commands::{Commands, SemaphoreAt, SubmitToken};
 pub use descriptor::{Descriptor, DescriptorArena, DescriptorSet, SetLayout};
 pub use format::{FormatInfo, Numeric};
-pub use image::{Image, ImageInfo, ViewInfo};
+pub use image::Image;
+pub use image_info::{ImageInfo, ViewInfo};
 pub use memory::{Heap, Memory, Requirements};
 pub use messages::{Message, Messages, Severity};
 pub use options::{GpuOptions, RawGpu, Validation};
@@ -96,6 +99,13 @@ impl Gpu {
     pub fn live_objects(&self) -> Vec<String> {
         self.device.collect();
         self.device.live_objects()
+    }
+
+    /// Bytes of memory that images, buffers and heaps take, with those dropped ones that the device may still use.
+    /// (The device's own blocks, which these lie in, are larger.)
+    pub fn memory_in_use(&self) -> u64 {
+        self.device.collect();
+        self.device.memory_in_use()
     }
 
     /// Waits until the device has done all that was submitted, and frees what waited for that.

@@ -126,11 +126,7 @@ pub(super) fn check_outputs(info: &GraphicsPipelineInfo) -> Result<()> {
             ));
             continue;
         };
-        let wants = match output.scalar {
-            OutputScalar::Float => Numeric::Float,
-            OutputScalar::Uint => Numeric::Uint,
-            OutputScalar::Int => Numeric::Sint,
-        };
+        let wants = numeric(output.scalar);
         if FormatInfo::of(target.format).is_some_and(|f| f.numeric != wants) {
             problems
                 .push(format!("{file} writes {:?} as {wants:?} to an attachment of {:?}", output.name, target.format));
@@ -142,10 +138,36 @@ pub(super) fn check_outputs(info: &GraphicsPipelineInfo) -> Result<()> {
             problems.push(format!("{file} does not write attachment {location}; mask it out with blend::none()"));
         }
     }
-    for attachment in info.vertex_buffers.iter().flat_map(|b| b.attributes.iter().map(move |a| (b, a))) {
-        let (buffer, attribute) = attachment;
+    if problems.is_empty() {
+        return Ok(());
+    }
+    Err(Error::invalid(format!("pipeline {:?}", info.name), problems.join("; ")))
+}
+
+/// Each input of the vertex shader has an attribute of its kind, which lies within its vertex.
+pub(super) fn check_inputs(info: &GraphicsPipelineInfo) -> Result<()> {
+    let mut problems = Vec::new();
+    let attributes: Vec<_> =
+        info.vertex_buffers.iter().flat_map(|b| b.attributes.iter().map(move |a| (b, a))).collect();
+    for input in info.vertex.inputs {
+        let Some((_, attribute)) = attributes.iter().find(|(_, a)| a.location == input.location) else {
+            problems.push(format!(
+                "{} takes {:?} from location {}, which no vertex buffer has",
+                info.vertex.file, input.name, input.location
+            ));
+            continue;
+        };
+        let wants = numeric(input.scalar);
+        if FormatInfo::of(attribute.format).is_some_and(|f| f.numeric != wants) {
+            problems.push(format!(
+                "{} takes {:?} as {wants:?}, the attribute is {:?}",
+                info.vertex.file, input.name, attribute.format
+            ));
+        }
+    }
+    for (buffer, attribute) in attributes {
         let size = FormatInfo::of(attribute.format).map_or(0, |f| f.block_bytes);
-        if attribute.offset + size > buffer.stride && buffer.stride != 0 {
+        if buffer.stride != 0 && attribute.offset.saturating_add(size) > buffer.stride {
             problems
                 .push(format!("vertex attribute {} ends beyond the stride of {}", attribute.location, buffer.stride));
         }
@@ -154,4 +176,12 @@ pub(super) fn check_outputs(info: &GraphicsPipelineInfo) -> Result<()> {
         return Ok(());
     }
     Err(Error::invalid(format!("pipeline {:?}", info.name), problems.join("; ")))
+}
+
+fn numeric(scalar: OutputScalar) -> Numeric {
+    match scalar {
+        OutputScalar::Float => Numeric::Float,
+        OutputScalar::Uint => Numeric::Uint,
+        OutputScalar::Int => Numeric::Sint,
+    }
 }

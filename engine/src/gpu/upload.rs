@@ -397,7 +397,7 @@ impl Gpu {
     /// As [`Uploader::image`] and [`Uploader::generate_mips`].
     pub fn upload_image(&self, image: &Image, bytes: &[u8]) -> Result<SubmitToken> {
         let layers = image.info().layers as usize;
-        if bytes.is_empty() || bytes.len() % layers != 0 {
+        if bytes.is_empty() || !bytes.len().is_multiple_of(layers) {
             return Err(image.invalid(format!("{} bytes are not {layers} layers of the same size", bytes.len())));
         }
         let mut uploader = self.uploader(&format!("upload.{}", image.name()));

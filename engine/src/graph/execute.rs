@@ -68,6 +68,19 @@ impl Capture {
         self.buffer.read_with(look)
     }
 
+    /// All bytes as values of one type: `f32` four times a texel for `R32G32B32A32_SFLOAT`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where the bytes are not a whole number of values; [`Error::Vulkan`] where the memory cannot
+    /// be read.
+    pub fn texels<T: bytemuck::Pod>(&self) -> Result<Vec<T>> {
+        self.bytes(|bytes| {
+            let whole = size_of::<T>() > 0 && bytes.len() % size_of::<T>() == 0;
+            let wrong = || format!("has {} bytes, no whole number of {}", bytes.len(), std::any::type_name::<T>());
+            whole.then(|| bytemuck::pod_collect_to_vec(bytes)).ok_or_else(|| Error::invalid(&self.name, wrong()))
+        })?
+    }
+
     /// Looks at the texels of one layer of the first mip.
     ///
     /// # Errors

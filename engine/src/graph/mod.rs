@@ -7,8 +7,8 @@ mod execute;
 mod handle;
 mod pass;
 pub mod plan;
-pub mod report;
 mod record;
+pub mod report;
 
 pub use builder::{Data, Graph};
 pub use description::ImageShape;

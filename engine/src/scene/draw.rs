@@ -1,12 +1,12 @@
 //! Draw lists: what to draw, in buckets of equal state.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use ash::vk;
 use glam::Vec3;
 
 use super::{AlphaMode, GpuScene};
-use crate::Result;
 use crate::geometry::{Aabb, Frustum};
 use crate::gpu::{VertexAttribute, VertexBuffer};
 use crate::graph::Recorder;
@@ -44,6 +44,8 @@ pub struct Draw {
     pub mirrored: bool,
     /// Index of the material.
     pub material: usize,
+    /// Textures that the material has, as bits in the order of set 1.
+    pub textures: u32,
     /// In the scene's index buffer.
     pub indices: Range<u32>,
     /// Added to each index.
@@ -85,6 +87,13 @@ impl DrawList {
         self.draws.iter().map(|draw| draw.bounds).reduce(Aabb::union)
     }
 
+    /// Every combination of textures among draws of these classes, each once; the empty one where there is no draw.
+    pub fn texture_sets(&self, classes: &[DrawClass]) -> Vec<u32> {
+        let of_class = self.draws.iter().filter(|draw| classes.contains(&draw.class));
+        let sets: BTreeSet<_> = of_class.map(|draw| draw.textures).collect();
+        if sets.is_empty() { vec![0] } else { sets.into_iter().collect() }
+    }
+
     /// The draws of a class that touch one of the frusta (all where there are none).
     pub fn visible(&self, class: DrawClass, frusta: &[Frustum]) -> Vec<&Draw> {
         let seen = |draw: &&Draw| frusta.is_empty() || frusta.iter().any(|frustum| frustum.touches(&draw.bounds));
@@ -101,6 +110,9 @@ impl DrawList {
         draws
     }
 }
+
+/// Specialisation constant of `common/materials.glsl`: which textures a pipeline samples, as bits.
+pub const TEXTURES: u32 = 0;
 
 /// Vertex buffers of a pass that needs positions alone.
 pub const POSITIONS: &[VertexBuffer<'static>] = &[VertexBuffer {
@@ -138,19 +150,42 @@ pub const SHADED: &[VertexBuffer<'static>] = &[
 
 impl GpuScene {
     /// Records draws with the recorder's current program.
-    pub fn draw(&self, recorder: &mut Recorder, faces: Faces, draws: &[&Draw]) -> Result<()> {
+    pub fn draw(&self, recorder: &mut Recorder, faces: Faces, draws: &[&Draw]) {
         recorder.index_buffer(&self.indices);
         recorder.vertex_buffers(&[&self.positions, &self.alpha_attributes, &self.shading_attributes]);
         for draw in draws {
-            let cull = if draw.double_sided || faces == Faces::Both {
-                vk::CullModeFlags::NONE
-            } else {
-                vk::CullModeFlags::BACK
-            };
-            recorder.faces(cull, draw.mirrored);
-            recorder.material(&self.material_sets[draw.material]);
+            self.state(recorder, faces, draw);
             recorder.draw_indexed(draw.indices.clone(), draw.vertex_offset, draw.instances.clone());
         }
-        Ok(())
+    }
+
+    /// Records draws with the program made for their textures: program `i` of the pass samples `texture_sets[i]`.
+    pub fn draw_by_textures(
+        &self,
+        recorder: &mut Recorder,
+        texture_sets: &[u32],
+        draws: &[&Draw],
+        mut record: impl FnMut(&mut Recorder, &[&Draw]),
+    ) {
+        for run in draws.chunk_by(|a, b| a.textures == b.textures) {
+            let program = texture_sets.iter().position(|&set| set == run[0].textures);
+            recorder.program(program.unwrap_or(0));
+            record(recorder, run);
+        }
+    }
+
+    /// The same for programs whose vertex shader pulls its vertices: `gl_VertexIndex` is the place in the index
+    /// buffer.
+    pub fn draw_pulled(&self, recorder: &mut Recorder, faces: Faces, draws: &[&Draw]) {
+        for draw in draws {
+            self.state(recorder, faces, draw);
+            recorder.draw(draw.indices.clone(), draw.instances.clone());
+        }
+    }
+
+    fn state(&self, recorder: &mut Recorder, faces: Faces, draw: &Draw) {
+        let both = draw.double_sided || faces == Faces::Both;
+        recorder.faces(if both { vk::CullModeFlags::NONE } else { vk::CullModeFlags::BACK }, draw.mirrored);
+        recorder.material(&self.material_sets[draw.material]);
     }
 }

@@ -11,12 +11,12 @@ mod light;
 mod light_buffer;
 mod material;
 mod mesh;
-mod parallel;
+pub(crate) mod parallel;
 mod upload;
 mod view_set;
 
 pub use camera::{Camera, Projection, View, depth};
-pub use draw::{ALPHA_TESTED, Draw, DrawClass, DrawList, Faces, POSITIONS, SHADED};
+pub use draw::{ALPHA_TESTED, Draw, DrawClass, DrawList, Faces, POSITIONS, SHADED, TEXTURES};
 pub use light::{Light, LightKind};
 pub use light_buffer::{LightShadow, MAX_LIGHTS, light_block};
 pub use material::{AlphaMode, Filter, Material, Texture, TextureSlot, Wrap};

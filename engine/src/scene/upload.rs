@@ -202,14 +202,15 @@ fn draws_and_instances(scene: &Scene, geometry: &Geometry) -> (DrawList, Vec<blo
         let Some(bounds) = Aabb::around(primitives[part].positions.iter().copied()) else { continue };
         let bounds = bounds.transformed(object.world_from_object);
         let before: usize = primitives[..part].iter().map(|p| p.indices.len() / 3).sum();
-        instances.push(instance_record(&object.world_from_object, item.object, material, before));
+        let start = geometry.starts[mesh][part];
+        instances.push(instance_record(&object.world_from_object, item.object, material, before, start));
         // Blended instances are sorted one by one, so each is a draw of its own.
         if last_key == Some(item.key) && class != DrawClass::Blend {
             let draw = draws.last_mut().expect("a key came with a draw");
             draw.instances.end += 1;
             draw.bounds = draw.bounds.union(bounds);
         } else {
-            let (vertex_offset, first_index) = geometry.starts[mesh][part];
+            let (vertex_offset, first_index) = start;
             let index_count = primitives[part].indices.len() as u32;
             let at = instances.len() as u32 - 1;
             draws.push(Draw {
@@ -217,6 +218,7 @@ fn draws_and_instances(scene: &Scene, geometry: &Geometry) -> (DrawList, Vec<blo
                 double_sided,
                 mirrored,
                 material,
+                textures: textures_of(&scene.materials[material]),
                 indices: first_index..first_index + index_count,
                 vertex_offset,
                 instances: at..at + 1,
@@ -233,6 +235,7 @@ fn instance_record(
     object: usize,
     material: usize,
     first_primitive: usize,
+    (vertex_offset, first_index): (i32, u32),
 ) -> blocks::Instance {
     let rows = world_from_object.transpose();
     let linear = Mat3::from_mat4(*world_from_object);
@@ -248,6 +251,8 @@ fn instance_record(
         object: object as u32 + 1,
         material: material as u32,
         first_primitive: first_primitive as u32,
+        first_index,
+        vertex_offset,
     }
 }
 
@@ -279,12 +284,17 @@ fn slots(material: &Material) -> [(Option<TextureSlot>, Encoding); 5] {
     ]
 }
 
+/// Which textures a material has, as bits in the order of set 1.
+fn textures_of(material: &Material) -> u32 {
+    slots(material).iter().enumerate().map(|(i, (slot, _))| u32::from(slot.is_some()) << i).sum()
+}
+
 fn material_record(material: &Material) -> blocks::Material {
-    let mut flags = u32::from(material.unlit) << 16;
+    let mut flags = textures_of(material) | u32::from(material.unlit) << 16;
     let mut rows = [Vec3::ZERO; 10];
     for (i, (slot, _)) in slots(material).into_iter().enumerate() {
         let Some(slot) = slot else { continue };
-        flags |= 1 << i | u32::from(slot.uv_set == 1) << (i + 8);
+        flags |= u32::from(slot.uv_set == 1) << (i + 8);
         let transform = slot.transform.transpose();
         (rows[2 * i], rows[2 * i + 1]) = (transform.x_axis, transform.y_axis);
     }

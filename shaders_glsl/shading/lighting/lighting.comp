@@ -57,7 +57,7 @@ void main() {
         }
         lit += illuminance * brdf_cosine(r, n, v, l);
     }
-    vec3 ambient = environment_reflection(r, m.r, base.a, max(dot(n, v), 0.0));
+    vec3 ambient = environment_reflection(r, base.a, abs(dot(n, v)));
     imageStore(direct, pixel, vec4(lit, 1.0));
     imageStore(color, pixel, vec4(lit + ambient + glow, 1.0));
 }

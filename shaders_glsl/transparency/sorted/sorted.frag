@@ -45,6 +45,6 @@ void main() {
         illuminance *= light_visibility(lights[i], vertex_position, n, view_distance);
         lit += illuminance * brdf_cosine(r, n, v, l);
     }
-    lit += environment_reflection(r, surface.roughness, surface.occlusion, max(dot(n, v), 0.0)) + surface.emissive;
+    lit += environment_reflection(r, surface.occlusion, abs(dot(n, v))) + surface.emissive;
     color = vec4(lit * surface.alpha, surface.alpha);
 }

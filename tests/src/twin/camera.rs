@@ -6,6 +6,7 @@ use glam::{DMat4, DVec3, DVec4};
 use shadowgraph::scene::View;
 
 use super::scene::{Footprint, Hit, Line, Ray, Rule, Scene};
+use super::shadow::Receiver;
 use super::surface::Surface;
 use crate::parallel;
 
@@ -185,5 +186,15 @@ impl Picture {
     /// The pixel in column x and row y.
     pub fn at(&self, x: u32, y: u32) -> &Pixel {
         &self.pixels[(y * self.size[0] + x) as usize]
+    }
+
+    /// The points seen, to ask what a light sees of them. `texel` gives the width of a shadow-map texel at a pixel, in
+    /// metres.
+    pub fn receivers(&self, texel: impl Fn(&Pixel) -> f64) -> Vec<Option<Receiver>> {
+        let receiver = |pixel: &Pixel| {
+            let surface = pixel.surface.as_ref()?;
+            Some(Receiver { position: surface.position, normal: surface.flat_normal, texel: texel(pixel) })
+        };
+        self.pixels.iter().map(receiver).collect()
     }
 }

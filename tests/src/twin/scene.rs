@@ -204,13 +204,11 @@ impl<'a> Scene<'a> {
 
     fn meet(&self, index: u32, ray: &Ray, far: f64, rule: Rule) -> Option<Hit> {
         let triangle = &self.triangles[index as usize];
-        let material = &self.source.materials[triangle.material as usize];
-        if material.alpha_mode == AlphaMode::Blend {
-            return None;
-        }
         let (t, weights, along_normal) = triangle.intersect(ray)?;
+        let material = &self.source.materials[triangle.material as usize];
         let front = along_normal * self.placements[triangle.object as usize].handedness < 0.0;
-        if !(ray.near <= t && t <= far) || (rule.culls_backs && !front && !material.double_sided) {
+        let culled = rule.culls_backs && !front && !material.double_sided;
+        if !(ray.near <= t && t <= far) || culled || material.alpha_mode == AlphaMode::Blend {
             return None;
         }
         let alpha_excess = match material.alpha_mode {

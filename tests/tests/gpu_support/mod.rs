@@ -44,11 +44,21 @@ pub fn shader(
     };
     let code = compiler.compile_into_spirv(source, kind, file, "main", Some(&options)).unwrap();
     let spirv = code.as_binary().to_vec().leak();
-    Box::leak(Box::new(Shader { file, stage, spirv, bindings, push: None, outputs, workgroup, capabilities: &[] }))
+    Box::leak(Box::new(Shader {
+        file,
+        stage,
+        spirv,
+        bindings,
+        push: None,
+        inputs: &[],
+        outputs,
+        workgroup,
+        capabilities: &[],
+    }))
 }
 
 pub const fn binding(binding: u32, name: &'static str, kind: BindingKind, access: ShaderAccess) -> Binding {
-    Binding { set: 0, binding, name, kind, access, count: 1, size: 0 }
+    Binding { set: 0, binding, name, kind, access, count: 1, size: 0, image: None }
 }
 
 pub const fn output(location: u32, name: &'static str) -> Output {

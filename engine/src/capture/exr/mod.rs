@@ -23,15 +23,19 @@ pub struct ExrOptions {
 }
 
 /// Lossless compression of pixels.
+///
+/// What they cost: a frame of 31 layers at 1280×720 with seven shadow maps, 150 MB, takes 150 MB without compression,
+/// 90 as RLE, 49 as ZIP, 56 as PIZ, and about 0.2, 0.5, 0.9 and 2 seconds of processor time, shared by all cores.
+/// `shadowgraph bench write` measures it anew.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Compression {
-    /// None.
+    /// None: the fastest to write.
     None,
     /// Runs of equal bytes.
     Rle,
     /// Deflate, a scan line at a time.
     Zips,
-    /// Deflate, 16 scan lines at a time: the default, smaller and in the end no slower to write than the others.
+    /// Deflate, 16 scan lines at a time: the default, as the smallest.
     #[default]
     Zip,
     /// Wavelets, 32 scan lines at a time.

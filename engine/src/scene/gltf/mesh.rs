@@ -74,7 +74,11 @@ pub fn load(
     // 2. The default material.
     let default = materials.len();
     if sources.iter().flat_map(|mesh| &mesh.primitives).any(|primitive| primitive.material.is_none()) {
-        materials.push(Material::default());
+        let mut name = Material::default().name;
+        while materials.iter().any(|material| material.name == name) {
+            name.push('_');
+        }
+        materials.push(Material { name, ..Material::default() });
     }
 
     // 3. The meshes.
@@ -174,7 +178,7 @@ fn build(
         }
         Some(slot) => {
             file.spend(primitive.indices.len() as u64 * VERTEX_BYTES, at)?;
-            tangents::generate(&mut primitive, slot.uv_set);
+            tangents::generate(&mut primitive, &slot);
         }
     }
     Ok(Some(primitive))

@@ -98,11 +98,11 @@ fn local(node: &json::Node) -> DMat4 {
     )
 }
 
-/// Translation · rotation · scale. The quaternion is normalised; a zero one turns nothing.
+/// Translation · rotation · scale. The quaternion is taken as it stands: it should have unit length, and where it has
+/// not quite, all viewers show the same.
 fn transform(translation: DVec3, rotation: DQuat, scale: DVec3) -> DMat4 {
-    let length = rotation.length();
-    let rotation = if length > 0.0 { rotation / length } else { DQuat::IDENTITY };
-    DMat4::from_mat3_translation(glam::DMat3::from_quat(rotation) * glam::DMat3::from_diagonal(scale), translation)
+    let linear = glam::DMat3::from_quat(rotation) * glam::DMat3::from_diagonal(scale);
+    DMat4::from_mat3_translation(linear, translation)
 }
 
 /// Instances of meshes, in the order of the hierarchy.

@@ -3,12 +3,12 @@
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::{Vec3, Vec4};
 
-use crate::scene::Primitive;
+use crate::scene::{Primitive, TextureSlot};
 
-/// Gives each vertex a tangent along u of the given set. Where triangles that share a vertex disagree, it is split.
-/// All other attributes stand already.
-pub fn generate(primitive: &mut Primitive, uv_set: usize) {
-    let mut corners = Corners { primitive, uv_set, tangents: vec![Vec4::ZERO; primitive.indices.len()] };
+/// Gives each vertex a tangent along u as the normal map is laid, with its transform. Where triangles that share a
+/// vertex disagree, it is split. All other attributes stand already.
+pub fn generate(primitive: &mut Primitive, normal_map: &TextureSlot) {
+    let mut corners = Corners { primitive, normal_map, tangents: vec![Vec4::ZERO; primitive.indices.len()] };
     // Its error type has no value.
     let _ = generate_tangents(&mut corners);
     let tangents = corners.tangents;
@@ -23,7 +23,7 @@ pub fn repaired(tangent: Vec4, normal: Vec3) -> Vec4 {
 
 struct Corners<'a> {
     primitive: &'a Primitive,
-    uv_set: usize,
+    normal_map: &'a TextureSlot,
     tangents: Vec<Vec4>,
 }
 
@@ -52,8 +52,12 @@ impl Geometry for Corners<'_> {
 
     fn tex_coord(&self, face: usize, corner: usize) -> [f32; 2] {
         // MikkTSpace has v point up, glTF down: its bitangent is to point up the image.
-        let uvs = self.primitive.uvs.get(self.uv_set);
-        uvs.and_then(|uvs| uvs.get(self.vertex(face, corner))).map_or([0.0; 2], |uv| [uv.x, 1.0 - uv.y])
+        let TextureSlot { uv_set, transform, .. } = *self.normal_map;
+        let uv = self.primitive.uvs.get(uv_set).and_then(|uvs| uvs.get(self.vertex(face, corner)));
+        uv.map_or([0.0; 2], |&uv| {
+            let uv = transform.transform_point2(uv);
+            [uv.x, 1.0 - uv.y]
+        })
     }
 
     fn set_tangent(&mut self, space: Option<TangentSpace>, face: usize, corner: usize) {
@@ -101,9 +105,13 @@ fn split(primitive: &mut Primitive, corners: &[Vec4]) {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec2;
+    use glam::{Mat3, Vec2};
 
     use super::*;
+
+    const fn map(uv_set: usize) -> TextureSlot {
+        TextureSlot { texture: 0, uv_set, transform: Mat3::IDENTITY }
+    }
 
     /// A quad in the xy plane, seen from +z, with an image upright on it.
     fn quad(mirrored: bool) -> Primitive {
@@ -125,7 +133,7 @@ mod tests {
     fn the_bitangent_points_up_the_image() {
         for mirrored in [false, true] {
             let mut quad = quad(mirrored);
-            generate(&mut quad, 0);
+            generate(&mut quad, &map(0));
             assert_eq!(quad.positions.len(), 4);
             for (normal, tangent) in quad.normals.iter().zip(&quad.tangents) {
                 let along_u = if mirrored { Vec3::NEG_X } else { Vec3::X };
@@ -137,9 +145,23 @@ mod tests {
     }
 
     #[test]
+    fn a_turned_normal_map_turns_the_tangents() {
+        let mut quad = quad(false);
+        // u runs down the quad: u' = v.
+        let transform = Mat3::from_cols_array_2d(&[[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]);
+        generate(&mut quad, &TextureSlot { transform, ..map(0) });
+        for tangent in &quad.tangents {
+            assert!((tangent.truncate() - Vec3::NEG_Y).length() < 1e-6, "{tangent}");
+            // v' = −u: the image's up runs with u.
+            let bitangent = Vec3::Z.cross(tangent.truncate()) * tangent.w;
+            assert!((bitangent - Vec3::X).length() < 1e-6, "{bitangent}");
+        }
+    }
+
+    #[test]
     fn without_coordinates_a_tangent_is_still_a_unit_vector() {
         let mut quad = quad(false);
-        generate(&mut quad, 1);
+        generate(&mut quad, &map(1));
         assert!(quad.tangents.iter().all(|t| (t.truncate().length() - 1.0).abs() < 1e-6), "{:?}", quad.tangents);
     }
 
@@ -154,7 +176,7 @@ mod tests {
             indices: vec![0, 2, 1, 0, 1, 3],
             ..Primitive::default()
         };
-        generate(&mut primitive, 0);
+        generate(&mut primitive, &map(0));
         assert_eq!(primitive.positions.len(), 6);
         let right = primitive.tangents[primitive.indices[0] as usize];
         let left = primitive.tangents[primitive.indices[3] as usize];

@@ -12,9 +12,9 @@ const OPENING: f32 = 1.15;
 const SEGMENTS: usize = 20;
 
 /// An outline that swells out by half a circle, from height `low` to `high` at `radius`.
-fn torus(radius: f32, low: f32, high: f32) -> impl Iterator<Item = [f32; 2]> {
+fn torus(radius: f32, low: f32, high: f32) -> [[f32; 2]; 6] {
     let (middle, half) = ((low + high) * 0.5, (high - low) * 0.5);
-    (0..=5).map(move |i| {
+    std::array::from_fn(|i| {
         let (sin, cos) = (-FRAC_PI_2 + PI * i as f32 / 5.0).sin_cos();
         [radius + half * cos, middle + half * sin]
     })
@@ -27,10 +27,9 @@ pub fn column() -> Parts {
     stone.block(vec3(0.0, SPRING - 0.14, 0.0), vec3(0.84, 0.14, 0.84));
 
     // Base: torus, hollow, torus.
-    let mut base: Vec<[f32; 2]> = torus(0.31, 0.16, 0.27).collect();
-    base.extend([[0.31, 0.27], [0.30, 0.28], [0.30, 0.28], [0.278, 0.31], [0.285, 0.335], [0.285, 0.335]]);
-    base.extend(torus(0.275, 0.335, 0.40));
-    stone.lathe(&base, 28);
+    stone.lathe(&torus(0.31, 0.16, 0.27), 28);
+    stone.lathe(&[[0.32, 0.265], [0.295, 0.285], [0.280, 0.310], [0.285, 0.340]], 28);
+    stone.lathe(&torus(0.275, 0.335, 0.40), 28);
 
     // Shaft: flutes that run out at both ends, and a slight swelling.
     let (low, high) = (0.40, 2.52);
@@ -43,8 +42,7 @@ pub fn column() -> Parts {
         let (sin, cos) = (s * TAU).sin_cos();
         (vec3(r * cos, y, -r * sin), vec2(s * TAU * radius, -y))
     });
-    let neck: Vec<[f32; 2]> = torus(0.225, 2.50, 2.56).collect();
-    stone.lathe(&neck, 28);
+    stone.lathe(&torus(0.225, 2.50, 2.56), 28);
 
     // Capital: a bell, and two rows of leaves that bend over.
     let bell = [[0.225, 2.56], [0.228, 2.70], [0.245, 2.82], [0.29, 2.94], [0.36, 3.02], [0.38, 3.06]];

@@ -3,6 +3,7 @@
 mod arcade;
 mod furniture;
 mod garden;
+mod patterns;
 mod surfaces;
 mod textile;
 mod walls;

@@ -3,15 +3,19 @@
 
 use ash::vk;
 
+use crate::gpu::{Constant, Feature};
 use crate::graph::{Graph, ImageHandle, ImageShape, Load};
-use crate::scene::{DrawClass, Faces, GpuScene, SHADED, View, ViewSet};
+use crate::scene::{DrawClass, Faces, GpuScene, SHADED, TEXTURES, View, ViewSet};
 use crate::shader::Program;
-use crate::shader::generated::surface::gbuffer::{gbuffer_frag, gbuffer_vert};
+use crate::shader::generated::surface::gbuffer::{
+    gbuffer_frag, gbuffer_pulled_frag, gbuffer_pulled_vert, gbuffer_vert,
+};
 
 /// G-buffer pass.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct GBuffer {
     precision: Precision,
+    pull_vertices: bool,
 }
 
 /// How finely the buffers are stored.
@@ -43,7 +47,12 @@ pub struct Surfaces {
 impl GBuffer {
     /// With this precision.
     pub fn precision(self, precision: Precision) -> Self {
-        Self { precision }
+        Self { precision, ..self }
+    }
+
+    /// Fetches vertices by hand even where the device has geometry shaders and need not: slower, the same picture.
+    pub fn pull_vertices(self) -> Self {
+        Self { pull_vertices: true, ..self }
     }
 
     /// Draws what is exactly at `depth`, which a depth pre-pass of the same view made.
@@ -70,14 +79,24 @@ impl GBuffer {
 
         let views = ViewSet::from(*view);
         let frusta = views.frusta();
-        let program = Program::new(&gbuffer_vert::SHADER, Some(&gbuffer_frag::SHADER))
-            .vertex_buffers(SHADED)
-            .depth(vk::CompareOp::EQUAL, false)
-            .set_layout(1, &scene.material_layout);
-        let mut pass = graph.raster("gbuffer", vec![program]);
+        let pull = self.pull_vertices || !graph.caps().has(Feature::GeometryShader);
+        let texture_sets = scene.draws.texture_sets(&[DrawClass::Opaque, DrawClass::Masked]);
+        let program = match pull {
+            true => Program::new(&gbuffer_pulled_vert::SHADER, Some(&gbuffer_pulled_frag::SHADER)),
+            false => Program::new(&gbuffer_vert::SHADER, Some(&gbuffer_frag::SHADER)).vertex_buffers(SHADED),
+        };
+        let program = program.depth(vk::CompareOp::EQUAL, false).set_layout(1, &scene.material_layout);
+        let one_each = texture_sets.iter().map(|&set| program.clone().constant(TEXTURES, Constant::U32(set)));
+        let mut pass = graph.raster("gbuffer", one_each.collect());
         pass.uniform(gbuffer_vert::VIEWS, &views.block())
             .constant(gbuffer_vert::INSTANCES, &scene.instances)
             .depth_test(&depth);
+        if pull {
+            pass.constant(gbuffer_pulled_vert::INDICES, &scene.indices)
+                .constant(gbuffer_pulled_vert::POSITIONS, &scene.positions)
+                .constant(gbuffer_pulled_vert::ALPHA_VERTICES, &scene.alpha_attributes)
+                .constant(gbuffer_pulled_vert::SHADING_VERTICES, &scene.shading_attributes);
+        }
         let none = Load::Clear([0.0; 4]);
         let albedo = pass.color(gbuffer_frag::ALBEDO, albedo, none);
         let normal = pass.color(gbuffer_frag::NORMAL, normal, none);
@@ -85,9 +104,15 @@ impl GBuffer {
         let emissive = pass.color(gbuffer_frag::EMISSIVE, emissive, none);
         let ids = pass.color_uint(gbuffer_frag::IDS, ids, Load::Clear([0; 4]));
         pass.draw(move |recorder| {
-            recorder.push(&0u32);
             for class in [DrawClass::Opaque, DrawClass::Masked] {
-                scene.draw(recorder, Faces::Material, &scene.draws.visible(class, &frusta))?;
+                let draws = scene.draws.visible(class, &frusta);
+                scene.draw_by_textures(recorder, &texture_sets, &draws, |recorder, draws| {
+                    recorder.push(&0u32);
+                    match pull {
+                        true => scene.draw_pulled(recorder, Faces::Material, draws),
+                        false => scene.draw(recorder, Faces::Material, draws),
+                    }
+                });
             }
             Ok(())
         });

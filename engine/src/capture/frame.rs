@@ -1,0 +1,189 @@
+//! From what a frame left on the device to what goes into files.
+
+use serde::Serialize;
+
+use super::{Capture, Channel, HalfReport, Metadata, Part, Samples, unpack};
+use crate::frame::{Frame, Layer, Samples as Stored, Source};
+use crate::gpu::Caps;
+use crate::graph::Executed;
+use crate::graph::description::Shape;
+use crate::scene::{Camera, Scene, View, parallel};
+use crate::{Error, Result};
+
+/// Layers of radiance: exposure applies to them.
+const RADIANCE: [&str; 3] = ["color", "direct", "emissive"];
+
+/// What a captured frame is to say of itself, and how it is stored.
+pub struct FrameCapture<'a, S> {
+    /// For the names of ids.
+    pub scene: &'a Scene,
+    /// Whose picture it is.
+    pub camera: &'a Camera,
+    /// The same with the picture's size.
+    pub view: &'a View,
+    /// Which device made it.
+    pub caps: &'a Caps,
+    /// How it was made; becomes the JSON attribute `shadowgraph/settings`.
+    pub settings: &'a S,
+    /// Whether colours are stored as 32-bit floats; half-floats otherwise.
+    pub float: bool,
+    /// Factor on radiance, recorded in the header.
+    pub exposure: f32,
+    /// Whether pass times, which differ from run to run, are left out.
+    pub reproducible: bool,
+}
+
+/// A captured frame.
+pub struct CapturedFrame {
+    /// For [`super::write_exr`].
+    pub capture: Capture,
+    /// Samples that half-floats could not hold, by channel: those that lost some.
+    pub lost: Vec<(String, HalfReport)>,
+}
+
+impl<S: Serialize + Sync> FrameCapture<'_, S> {
+    /// Reads the captured images and sorts them into parts: `frame` with all layers of the picture, and a part for each
+    /// layer of another size.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where the frame did not leave what it announced; [`Error::Vulkan`] where memory cannot be
+    /// read.
+    pub fn collect(&self, frame: &Frame, executed: &Executed) -> Result<CapturedFrame> {
+        // 1. Take the images apart on all cores, each once, though several layers may lie in one.
+        let images = images(frame);
+        let fault = |index: usize| Error::invalid(format!("capture `{}`", images[index].0.capture), "cannot be read");
+        let read = parallel::map(images.len(), |index| self.image(&images[index], executed), fault)?;
+        let mut parts = vec![Part { name: "frame".into(), size: self.view.size, ..Part::default() }];
+        let mut lost = Vec::new();
+        for image in read {
+            parts[0].channels.extend(image.of_frame);
+            parts.extend(image.parts);
+            lost.extend(image.lost);
+        }
+        // 2. A selection of nothing but shadow maps leaves no frame.
+        parts.retain(|part| !part.channels.is_empty());
+        // 3. Say what it is.
+        let metadata = self.metadata(frame, executed, &parts, &lost)?;
+        Ok(CapturedFrame { capture: Capture { parts, metadata }, lost })
+    }
+
+    /// Layers of one image.
+    fn image(&self, (source, layers): &(&Source, Vec<&Layer>), executed: &Executed) -> Result<Image> {
+        let (size, planes) = planes(source, executed)?;
+        let components = planes.len();
+        let mut planes: Vec<Option<Samples>> = planes.into_iter().map(Some).collect();
+        let mut image = Image::default();
+        for layer in layers {
+            let mut channels = Vec::with_capacity(layer.channels.len());
+            for (name, component) in &layer.channels {
+                let plane = planes.get_mut(*component).and_then(Option::take).ok_or_else(|| {
+                    let why = format!("it is to be component {component} of {components}, or another channel is too");
+                    Error::invalid(format!("channel {name}"), why)
+                })?;
+                let (samples, report) = self.stored(layer, name, plane);
+                if report != HalfReport::default() {
+                    image.lost.push((name.clone(), report));
+                }
+                channels.push(Channel::new(name, samples));
+            }
+            if layer.own_part {
+                image.parts.push(Part { name: layer.name.clone(), size, channels, ..Part::default() });
+            } else if size == self.view.size {
+                image.of_frame.extend(channels);
+            } else {
+                let why = format!("its size {size:?} is not the picture's");
+                return Err(Error::invalid(format!("layer {}", layer.name), why));
+            }
+        }
+        Ok(image)
+    }
+
+    /// Samples as the file is to have them.
+    fn stored(&self, layer: &Layer, channel: &str, samples: Samples) -> (Samples, HalfReport) {
+        // Alpha is no radiance.
+        let exposed = self.exposure != 1.0 && channel != "A" && RADIANCE.contains(&layer.name.as_str());
+        let samples = if exposed { samples.scaled(self.exposure) } else { samples };
+        match layer.samples {
+            Stored::Color if !self.float => samples.into_half(),
+            Stored::Color | Stored::Float => (samples.into_float(), HalfReport::default()),
+            Stored::Uint => (samples, HalfReport::default()),
+        }
+    }
+
+    fn metadata(
+        &self,
+        frame: &Frame,
+        executed: &Executed,
+        parts: &[Part],
+        lost: &[(String, HalfReport)],
+    ) -> Result<Metadata> {
+        let mut metadata = Metadata::default();
+        let driver = format!("{} {}", self.caps.driver, self.caps.driver_info);
+        metadata.add_software(&self.caps.device, driver.trim());
+        metadata.add_units(self.exposure);
+        metadata.add_camera(self.view, &self.camera.projection);
+        metadata.add_json("shadowgraph/settings", self.settings)?;
+        let has = |name: &str| parts.iter().any(|part| part.channels.iter().any(|channel| channel.name == name));
+        if has("id.object") {
+            metadata.add_names("id.object", self.scene.objects.iter().map(|object| object.name.as_str()))?;
+        }
+        if has("id.material") {
+            metadata.add_names("id.material", self.scene.materials.iter().map(|material| material.name.as_str()))?;
+        }
+        metadata.add_half_reports(lost.iter().map(|(name, report)| (name.as_str(), *report)))?;
+        if !frame.warnings.is_empty() {
+            metadata.add_json("shadowgraph/warnings", &frame.warnings)?;
+        }
+        if !self.reproducible {
+            metadata.add_pass_times(executed.passes.iter().map(|pass| (pass.name.as_str(), pass.seconds * 1e3)))?;
+        }
+        Ok(metadata)
+    }
+}
+
+/// Pixels of the captured picture for [`super::write_png`]: linear RGBA, premultiplied.
+///
+/// # Errors
+/// [`Error::Invalid`] where the layer `color` was not captured; [`Error::Vulkan`] where memory cannot be read.
+pub fn picture(frame: &Frame, executed: &Executed) -> Result<Vec<[f32; 4]>> {
+    let Some(layer) = frame.layers.iter().find(|layer| layer.name == "color") else {
+        return Err(Error::invalid("the picture", "the layer `color` was not captured"));
+    };
+    let (_, planes) = planes(&layer.source, executed)?;
+    let planes: Vec<Vec<f32>> = planes.into_iter().map(Samples::into_f32).collect();
+    let [red, green, blue, alpha] = &planes[..] else {
+        return Err(Error::invalid("the picture", format!("its image has {} components, not 4", planes.len())));
+    };
+    let pixels = red.iter().zip(green).zip(blue).zip(alpha);
+    Ok(pixels.map(|(((&red, &green), &blue), &alpha)| [red, green, blue, alpha]).collect())
+}
+
+/// What one image gives.
+#[derive(Default)]
+struct Image {
+    of_frame: Vec<Channel>,
+    parts: Vec<Part>,
+    lost: Vec<(String, HalfReport)>,
+}
+
+/// Captured images, each with its layers, in the order of their first layers.
+fn images(frame: &Frame) -> Vec<(&Source, Vec<&Layer>)> {
+    let mut images: Vec<(&Source, Vec<&Layer>)> = Vec::new();
+    for layer in &frame.layers {
+        match images.iter_mut().find(|(source, _)| **source == layer.source) {
+            Some((_, layers)) => layers.push(layer),
+            None => images.push((&layer.source, vec![layer])),
+        }
+    }
+    images
+}
+
+/// Size of a captured image, and its components.
+fn planes(source: &Source, executed: &Executed) -> Result<([u32; 2], Vec<Samples>)> {
+    let capture = executed.capture(&source.capture)?;
+    let Shape::Image(shape) = &capture.shape else {
+        return Err(Error::invalid(format!("capture `{}`", source.capture), "is a buffer, not an image"));
+    };
+    let planes = capture.layer(source.layer, |texels| unpack(shape.format, texels))??;
+    Ok(([shape.extent[0], shape.extent[1]], planes))
+}

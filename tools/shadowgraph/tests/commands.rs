@@ -1,0 +1,255 @@
+//! The program as a user runs it: exit codes, files, messages.
+#![allow(clippy::unwrap_used)]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use exr::meta::attribute::{AttributeValue, Text};
+use exr::prelude::{AnyChannels, FlatSamples, Image, Layers, ReadChannels, ReadLayers, read};
+use tempfile::TempDir;
+
+/// Runs the program; compiled shaders are kept between tests.
+fn run(folder: &TempDir, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_shadowgraph"))
+        .args(arguments)
+        .current_dir(folder)
+        .env("SHADOWGRAPH_CACHE", Path::new(env!("CARGO_TARGET_TMPDIR")).join("cache"))
+        .output()
+        .unwrap()
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+fn succeeds(folder: &TempDir, arguments: &[&str]) -> Output {
+    let output = run(folder, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
+    output
+}
+
+/// Bad usage or bad input: exit code 2, a message that says `needed`, and no file.
+fn is_refused(arguments: &[&str], needed: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    let output = run(&folder, arguments);
+    let told = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
+    assert!(told.starts_with("error: ") && told.contains(needed), "{arguments:?}: {told:?} does not say {needed:?}");
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 0, "{arguments:?} left a file");
+}
+
+type Exr = Image<Layers<AnyChannels<FlatSamples>>>;
+
+fn open(folder: &TempDir, name: &str) -> Exr {
+    let image = read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
+    image.from_file(folder.path().join(name)).unwrap()
+}
+
+/// Samples of each channel of the frame.
+fn channels(image: &Exr) -> BTreeMap<String, FlatSamples> {
+    let channels = image.layer_data[0].channel_data.list.iter();
+    channels.map(|channel| (channel.name.to_string(), channel.sample_data.clone())).collect()
+}
+
+fn attribute(image: &Exr, name: &str) -> Option<String> {
+    let name = Text::from_slice_unchecked(name.as_bytes());
+    match image.layer_data[0].attributes.other.get(&name)? {
+        AttributeValue::Text(text) => Some(String::from_utf8(text.as_slice().to_vec()).unwrap()),
+        other => panic!("{name}: {other:?}"),
+    }
+}
+
+#[test]
+fn help_is_no_failure_and_bad_usage_is() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(stdout(&succeeds(&folder, &["--help"])).contains("Exit codes"));
+    assert!(stdout(&succeeds(&folder, &["capture", "--help"])).contains("Examples:"));
+    assert!(stdout(&succeeds(&folder, &["--version"])).contains(env!("CARGO_PKG_VERSION")));
+    assert_eq!(run(&folder, &[]).status.code(), Some(2));
+    is_refused(&["render"], "render");
+    is_refused(&["capture", "builtin:cornell"], "--output");
+    is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--size", "0x9"], "1280x720");
+    is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--eye", "1,2"], "three finite numbers");
+    is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--compression", "lzw"], "piz");
+    is_refused(&["bench", "nothing"], "capture, write");
+}
+
+#[test]
+fn bad_input_is_refused_without_a_device() {
+    let nowhere = "--device=there is no device of this name";
+    is_refused(&["capture", "builtin:nothing", "-o", "o.exr", nowhere], "cornell");
+    is_refused(&["capture", "missing.glb", "-o", "o.exr", nowhere], "missing.glb");
+    is_refused(&["capture", "builtin:cornell", "-o", "o.png", nowhere], "must end in .exr");
+    is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--png", "o.jpg", nowhere], "must end in .png");
+    is_refused(&["capture", "builtin:cornell", "-o", "missing/o.exr", nowhere], "no such folder");
+    is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--camera", "nobody", nowhere], "0 (front)");
+    is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--eye=1,2,3", "--target=1,2,3", nowhere], "same point");
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("broken.glb"), b"glTF").unwrap();
+    let output = run(&folder, &["capture", "broken.glb", "-o", "o.exr", nowhere]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("broken.glb"));
+}
+
+#[test]
+fn a_missing_device_is_a_failure() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = run(&folder, &["info", "--device", "there is no device of this name"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr(&output).contains("there is no device of this name"), "{}", stderr(&output));
+}
+
+#[test]
+fn info_names_device_and_driver() {
+    let folder = tempfile::tempdir().unwrap();
+    let info: serde_json::Value = serde_json::from_str(&stdout(&succeeds(&folder, &["info", "--json"]))).unwrap();
+    let driver = info["device"]["driver_info"].as_str().unwrap();
+    assert!(!driver.is_empty());
+    assert!(stdout(&succeeds(&folder, &["info"])).contains(driver));
+}
+
+#[test]
+fn a_capture_has_every_layer() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["capture", "builtin:cornell", "-o", "o.exr", "--png", "o.png", "--size", "96x54", "--validation"];
+    let output = succeeds(&folder, &arguments);
+    assert!(stdout(&output).contains("o.exr") && stdout(&output).contains("o.png"), "{}", stdout(&output));
+    let mut files: Vec<_> =
+        fs::read_dir(&folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    files.sort();
+    assert_eq!(files, ["o.exr", "o.png"]);
+
+    let image = open(&folder, "o.exr");
+    let channels = channels(&image);
+    let kind = |name: &str| match channels.get(name).unwrap_or_else(|| panic!("no {name}")) {
+        FlatSamples::F16(_) => "half",
+        FlatSamples::F32(_) => "float",
+        FlatSamples::U32(_) => "uint",
+    };
+    for name in
+        ["R", "G", "B", "A", "N.X", "albedo.R", "roughness", "metallic", "emissive.G", "direct.B", "shadow.lamp"]
+    {
+        assert_eq!(kind(name), "half", "{name}");
+    }
+    for name in ["Z", "P.X", "P.Y", "P.Z"] {
+        assert_eq!(kind(name), "float", "{name}");
+    }
+    // Background and ids.
+    let (FlatSamples::F32(depth), FlatSamples::U32(objects)) = (&channels["Z"], &channels["id.object"]) else {
+        panic!()
+    };
+    let FlatSamples::F16(alpha) = &channels["A"] else { panic!() };
+    assert_eq!(depth.len(), 96 * 54);
+    let names: Vec<Option<String>> =
+        serde_json::from_str(&attribute(&image, "shadowgraph/names/id.object").unwrap()).unwrap();
+    let mut covered = 0;
+    for ((depth, object), alpha) in depth.iter().zip(objects).zip(alpha) {
+        assert_eq!(depth.is_finite(), *object != 0);
+        assert_eq!(alpha.to_f32(), if *object == 0 { 0.0 } else { 1.0 });
+        assert_eq!(names[*object as usize].is_some(), *object != 0);
+        covered += u32::from(*object != 0);
+    }
+    assert!(covered > 1000 && covered < 96 * 54, "{covered}");
+    // Shadow maps are parts of their own.
+    assert!(image.layer_data.len() > 1);
+    assert!(image.layer_data[0].attributes.world_to_camera.is_some());
+    assert!(attribute(&image, "shadowgraph/driver").is_some_and(|driver| !driver.is_empty()));
+    assert!(attribute(&image, "shadowgraph/passes").is_some());
+}
+
+#[test]
+fn reproducible_captures_are_equal_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let capture = |name: &str, more: &[&str]| {
+        let arguments = ["capture", "builtin:cornell", "--size", "64x36", "-o", name];
+        succeeds(&folder, &[&arguments, more].concat());
+        fs::read(folder.path().join(name)).unwrap()
+    };
+    assert!(capture("a.exr", &["--reproducible"]) == capture("b.exr", &["--reproducible"]));
+    assert!(attribute(&open(&folder, "a.exr"), "shadowgraph/passes").is_none());
+    capture("c.exr", &[]);
+    let same = |a: &Exr, b: &Exr| {
+        a.layer_data
+            .iter()
+            .zip(&b.layer_data)
+            .all(|(a, b)| format!("{:?}", a.channel_data) == format!("{:?}", b.channel_data))
+    };
+    assert!(same(&open(&folder, "a.exr"), &open(&folder, "c.exr")), "without times left out, the pixels are the same");
+}
+
+#[test]
+fn layers_are_selected() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments =
+        ["capture", "builtin:cornell", "--size", "64x36", "-o", "o.exr", "--layers", "Z,id", "--png", "o.png"];
+    succeeds(&folder, &arguments);
+    let image = open(&folder, "o.exr");
+    let names: Vec<String> = channels(&image).into_keys().collect();
+    assert_eq!(names, ["Z", "id.material", "id.object", "id.primitive"]);
+    assert_eq!(image.layer_data.len(), 1);
+    assert!(folder.path().join("o.png").is_file(), "the picture is rendered for the PNG all the same");
+    is_refused(
+        &["capture", "builtin:cornell", "-o", "o.exr", "--layers", "Z,colour"],
+        "unknown layer \"colour\"; this scene has color, Z",
+    );
+}
+
+#[test]
+fn what_half_floats_cannot_hold_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["capture", "builtin:cornell", "--size", "64x36", "-o", "o.exr", "--sun=0,-0.2,-1,1e9"];
+    let output = succeeds(&folder, &arguments);
+    assert!(stderr(&output).contains("R: ") && stderr(&output).contains("clamped"), "{}", stderr(&output));
+    let clamped = attribute(&open(&folder, "o.exr"), "shadowgraph/clamped").unwrap();
+    let clamped: BTreeMap<String, [u64; 2]> = serde_json::from_str(&clamped).unwrap();
+    let FlatSamples::F16(red) = &channels(&open(&folder, "o.exr"))["R"] else { panic!() };
+    assert!(red.iter().all(|value| value.is_finite()));
+    let greatest = red.iter().filter(|value| value.to_f32() == 65504.0).count() as u64;
+    assert!(clamped["R"][0] > 0 && clamped["R"][0] <= greatest, "{clamped:?}");
+
+    let output = succeeds(&folder, &[&arguments[..], &["--float"]].concat());
+    assert_eq!(stderr(&output), "");
+    let image = open(&folder, "o.exr");
+    assert_eq!(attribute(&image, "shadowgraph/clamped").unwrap(), "{}");
+    let FlatSamples::F32(red) = &channels(&image)["R"] else { panic!() };
+    assert!(red.iter().any(|&value| value > 65504.0));
+}
+
+#[test]
+#[ignore = "waits for the render graph's report"]
+fn graphs_are_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    let dot = stdout(&succeeds(&folder, &["graph", "builtin:cornell", "--size", "64x36"]));
+    assert!(dot.starts_with("digraph"), "{dot}");
+    let json = stdout(&succeeds(&folder, &["graph", "builtin:cornell", "--size", "64x36", "--format", "json"]));
+    let _: serde_json::Value = serde_json::from_str(&json).unwrap();
+}
+
+#[test]
+fn benchmarks_print_one_object_a_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["bench", "--json", "--runs", "1", "--size", "64x36", "--scene", "builtin:cornell"];
+    let printed = stdout(&succeeds(&folder, &arguments));
+    let mut metrics = Vec::new();
+    for line in printed.lines() {
+        let figure: serde_json::Value = serde_json::from_str(line).unwrap();
+        let object = figure.as_object().unwrap();
+        assert_eq!(object.keys().collect::<Vec<_>>(), ["bench", "case", "metric", "unit", "value"]);
+        assert!(object["value"].as_f64().unwrap() >= 0.0);
+        metrics.push(["bench", "case", "metric"].map(|key| object[key].as_str().unwrap().to_string()).join(" "));
+    }
+    for phase in
+        ["process start", "device", "loading", "first-draw compilation", "rendering", "read-back", "writing", "total"]
+    {
+        for case in ["cold", "warm"] {
+            assert!(metrics.contains(&format!("capture {case} {phase}")), "{case} {phase}");
+        }
+    }
+    assert!(metrics.contains(&"write zip time".to_string()) && metrics.contains(&"write none size".to_string()));
+}
