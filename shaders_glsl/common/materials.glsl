@@ -1,6 +1,10 @@
 // A glTF 2.0 metallic-roughness material: set 1 holds its factors and its textures, with white (or a flat normal)
 // where it has none.
 
+// Which textures a pipeline samples, as bits: a software driver runs both sides of every branch, so a texture that a
+// material does not have is left out when the pipeline is made.
+layout(constant_id = 0) const uint TEXTURES = 31u;
+
 const uint TEXTURE_BASE_COLOR = 0u;
 const uint TEXTURE_METALLIC_ROUGHNESS = 1u;
 const uint TEXTURE_NORMAL = 2u;
@@ -29,7 +33,7 @@ layout(set = 1, binding = 3) uniform sampler2D occlusion_texture;
 layout(set = 1, binding = 4) uniform sampler2D emissive_texture;
 
 bool has_texture(uint slot) {
-    return (material.flags & (1u << slot)) != 0u;
+    return (TEXTURES & (1u << slot)) != 0u && (material.flags & (1u << slot)) != 0u;
 }
 
 vec2 texture_coordinates(uint slot, vec2 uv0, vec2 uv1) {

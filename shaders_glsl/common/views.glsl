@@ -1,7 +1,8 @@
 // The views of a pass: one for a camera, several for cascades, cube faces, slices.
 // Uniform blocks and not storage buffers wherever a pixel reads: software drivers load the former once for all
 // lanes, the latter lane by lane.
-// A shader that includes this picks its view with VIEW_INDEX; `_multiview` files define MULTIVIEW.
+// A shader that includes this picks its view with VIEW_INDEX; `_multiview` files define MULTIVIEW, `_layered` files
+// LAYERED.
 
 struct ViewData {
     mat4 clip_from_world;

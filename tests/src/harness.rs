@@ -1,5 +1,6 @@
 //! Where tests find scenes, and tests that need a process of their own.
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -24,10 +25,22 @@ pub fn require_scene(relative: &str) -> Option<PathBuf> {
         Ok(found) => Some(found),
         Err(why) if must => panic!("{why}"),
         Err(why) => {
-            println!("skipped: {why}");
+            skip(&why);
             None
         }
     }
+}
+
+/// Says that the running test is skipped, and why: on standard output, and in the list that `cargo xtask test` prints at
+/// its end (a line in the file that `SHADOWGRAPH_SKIPPED` names).
+pub fn skip(why: &str) {
+    println!("skipped: {why}");
+    let Some(list) = std::env::var_os("SHADOWGRAPH_SKIPPED") else { return };
+    let thread = std::thread::current();
+    let line = format!("{}: {why}\n", thread.name().unwrap_or("a test"));
+    let mut options = std::fs::OpenOptions::new();
+    let written = options.create(true).append(true).open(&list).and_then(|mut file| file.write_all(line.as_bytes()));
+    written.unwrap_or_else(|error| panic!("cannot write {}: {error}", list.display()));
 }
 
 fn find_scene(folder: Option<PathBuf>, must: bool, relative: &str) -> Result<PathBuf, String> {

@@ -7,6 +7,7 @@ pub mod compare;
 pub mod device;
 pub mod exr_file;
 pub mod harness;
+pub mod judge;
 pub mod parallel;
 pub mod tiny;
 pub mod twin;

@@ -181,8 +181,9 @@ fn a_dropped_object_lives_until_the_device_is_done() {
     let gpu = gpu();
     let usage = vk::BufferUsageFlags::TRANSFER_DST | vk::BufferUsageFlags::TRANSFER_SRC;
     let result = buffer(&gpu, "result", 64, vk::BufferUsageFlags::TRANSFER_DST, Memory::Readback);
+    let mut in_use = gpu.memory_in_use();
     for round in 0..20u32 {
-        let source = buffer(&gpu, "source", 64, usage, Memory::Device);
+        let source = buffer(&gpu, "source", 65_536, usage, Memory::Device);
         let commands = gpu.commands("frame").unwrap();
         // SAFETY: live buffers.
         unsafe {
@@ -210,6 +211,9 @@ fn a_dropped_object_lives_until_the_device_is_done() {
     gpu.wait_idle().unwrap();
     assert_eq!(gpu.live_objects(), ["buffer \"result\""]);
     drop(result);
+    // All that is left are the breadcrumbs of command buffers that are kept to be used again.
+    in_use = gpu.memory_in_use().saturating_sub(in_use);
+    assert!(in_use <= 4 * 16_384, "{in_use} bytes");
     finish(gpu);
 }
 

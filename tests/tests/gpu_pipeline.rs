@@ -52,7 +52,7 @@ fn bind(commands: &Commands, pipeline: &Pipeline, set: vk::DescriptorSet) {
 #[test]
 fn a_compute_pipeline_computes() {
     let gpu = gpu();
-    let constants = [(5, Constant::U32(3)), (6, Constant::Bool(true))];
+    let constants = [(6, Constant::Bool(true)), (5, Constant::U32(3))];
     let pipeline = gpu.compute_pipeline("scale", scale(), &constants).unwrap();
     assert_eq!(pipeline.workgroup(), [64, 1, 1]);
     assert_eq!(pipeline.constants(), constants);

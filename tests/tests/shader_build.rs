@@ -460,6 +460,22 @@ fn modules_follow_folders() {
     }
 }
 
+/// The engine's own.
+#[test]
+fn the_engine_lists_every_shader_of_the_tree() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders_glsl");
+    let tree = source::Tree::read(&root).unwrap();
+    let expected: Vec<&str> = tree.shaders().map(|(path, _)| path).collect();
+    let all = shadowgraph::shader::generated::ALL;
+    assert_eq!(all.iter().map(|shader| shader.file).collect::<Vec<_>>(), expected);
+    assert!(!all.is_empty());
+    for shader in all {
+        assert_eq!(shader.spirv[..2], [0x0723_0203, 0x0001_0600], "{}", shader.file);
+        let places: Vec<_> = shader.bindings.iter().map(|binding| (binding.set, binding.binding)).collect();
+        assert!(places.is_sorted(), "{}", shader.file);
+    }
+}
+
 // ---- Errors
 
 #[test]

@@ -198,6 +198,11 @@ impl Device {
         }
     }
 
+    /// Bytes of all allocations, those that wait to be freed included.
+    pub(super) fn memory_in_use(&self) -> u64 {
+        lock(&self.allocator).as_ref().map_or(0, |a| a.generate_report().total_allocated_bytes)
+    }
+
     /// Makes a buffer with memory of its own.
     pub(super) fn make_buffer(&self, info: &super::BufferInfo) -> Result<RawBuffer> {
         // SAFETY: a valid structure (size and usage are checked by the caller).

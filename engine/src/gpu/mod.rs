@@ -101,6 +101,13 @@ impl Gpu {
         self.device.live_objects()
     }
 
+    /// Bytes of memory that images, buffers and heaps take, with those dropped ones that the device may still use.
+    /// (The device's own blocks, which these lie in, are larger.)
+    pub fn memory_in_use(&self) -> u64 {
+        self.device.collect();
+        self.device.memory_in_use()
+    }
+
     /// Waits until the device has done all that was submitted, and frees what waited for that.
     ///
     /// # Errors

@@ -66,7 +66,8 @@ impl Gpu {
     ///
     /// # Safety
     /// The handles are valid and outlive the [`Gpu`] and all it makes; the device was created with the features and
-    /// extensions that [`RawGpu`] states; nobody else uses the queue during a call of [`Gpu::submit`].
+    /// extensions that [`RawGpu`] states; nobody else uses the queue during a call of [`Gpu::submit`],
+    /// or while the last of these objects is dropped.
     ///
     /// # Errors
     /// [`Error::Missing`] as for [`Gpu::headless`]; [`Error::Invalid`] for a queue family that does not draw and

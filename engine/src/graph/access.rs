@@ -24,7 +24,8 @@ const WRITES: Mask = Mask::from_raw(
 );
 
 impl Access {
-    /// Nothing: no stage, no access, no layout. What a resource fresh from the application arrives in.
+    /// Nothing: no stage, no access, no layout. An imported buffer in this state is idle and visible to everybody, an
+    /// imported image holds nothing.
     pub const NONE: Access = Access { stages: Stages::NONE, mask: Mask::NONE, layout: Layout::UNDEFINED };
 
     const fn new(stages: Stages, mask: Mask, layout: Layout) -> Self {

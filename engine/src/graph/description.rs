@@ -76,8 +76,9 @@ pub struct ImageShape {
 pub enum Origin {
     /// Lives within the frame; may share memory with others.
     Transient,
-    /// Owned by the application or by an earlier frame. `before` is the state it arrives in, `after` the one it is
-    /// to be left in (`None`: as its last use leaves it).
+    /// Owned by the application or by an earlier frame. `before` is the state it arrives in (no stages: idle, and
+    /// visible to everybody), `after` the one it is to be left in (`None`: as its last use leaves it). It comes from
+    /// and goes back to the graphics queue's family.
     Imported {
         /// State at the start of the frame.
         before: Access,

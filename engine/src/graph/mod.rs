@@ -8,6 +8,7 @@ mod handle;
 mod pass;
 pub mod plan;
 mod record;
+pub mod report;
 
 pub use builder::{Data, Graph};
 pub use description::ImageShape;

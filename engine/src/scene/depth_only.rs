@@ -1,7 +1,9 @@
 //! Drawing a scene's depth into the layers of an image, one view a layer: the depth pre-pass and shadow maps.
 
-use super::draw::{ALPHA_TESTED, DrawClass, Faces, POSITIONS};
+use super::draw::{ALPHA_TESTED, Draw, DrawClass, Faces, POSITIONS};
 use super::{GpuScene, ViewSet, depth};
+use crate::geometry::Frustum;
+use crate::gpu::{Caps, Feature};
 use crate::graph::{Graph, ImageHandle, Load, RasterPass};
 use crate::shader::generated::surface::depth as shaders;
 use crate::shader::{Program, Shader};
@@ -9,10 +11,40 @@ use crate::shader::{Program, Shader};
 /// How several views become layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Expansion {
-    /// One pass draws all views.
+    /// One pass; the vertex shader chooses the layer. Each view draws what it sees.
+    Layered,
+    /// One pass draws all views at once; each view draws what any of them sees.
     Multiview,
     /// A pass each.
     Separate,
+}
+
+impl Expansion {
+    fn of(caps: &Caps, views: usize) -> Self {
+        match views {
+            0 | 1 => Self::Separate,
+            _ if caps.has(Feature::LayerFromVertexShader) => Self::Layered,
+            _ if views <= caps.limits.max_multiview_views as usize => Self::Multiview,
+            _ => Self::Separate,
+        }
+    }
+
+    /// Vertex shaders of opaque and of masked draws.
+    fn shaders(self) -> [&'static Shader; 2] {
+        match self {
+            Self::Layered => [&shaders::opaque_layered_vert::SHADER, &shaders::masked_layered_vert::SHADER],
+            Self::Multiview => [&shaders::opaque_multiview_vert::SHADER, &shaders::masked_multiview_vert::SHADER],
+            Self::Separate => [&shaders::opaque_vert::SHADER, &shaders::masked_vert::SHADER],
+        }
+    }
+}
+
+/// What one view (or all at once) draws.
+struct Batch<'s> {
+    /// Number pushed to the vertex shader; `None` where the hardware knows it.
+    view: Option<u32>,
+    /// Opaque and masked.
+    draws: [Vec<&'s Draw>; 2],
 }
 
 impl GpuScene {
@@ -26,21 +58,37 @@ impl GpuScene {
         target: ImageHandle,
         faces: Faces,
     ) -> ImageHandle {
-        let count = views.views().len() as u32;
-        if count == 1 {
-            return self.depth_pass(graph, name.into(), Expansion::Separate, views, 0, target, faces);
+        let expansion = Expansion::of(graph.caps(), views.views().len());
+        let frusta = views.frusta();
+        let batch = |view, frusta: &[Frustum]| Batch {
+            view,
+            draws: [DrawClass::Opaque, DrawClass::Masked].map(|class| self.draws.visible(class, frusta)),
+        };
+        let one_each =
+            frusta.iter().enumerate().map(|(i, frustum)| batch(Some(i as u32), std::slice::from_ref(frustum)));
+        match expansion {
+            Expansion::Multiview => {
+                let all = vec![batch(None, &frusta)];
+                self.depth_pass(graph, name.into(), expansion, views, all, target, faces)
+            }
+            Expansion::Layered => {
+                let batches = one_each.collect();
+                self.depth_pass(graph, name.into(), expansion, views, batches, target, faces)
+            }
+            Expansion::Separate if frusta.len() == 1 => {
+                let batches = one_each.collect();
+                self.depth_pass(graph, name.into(), expansion, views, batches, target, faces)
+            }
+            Expansion::Separate => {
+                let layers = graph.split_layers(target).into_iter().zip(one_each).enumerate();
+                let drawn: Vec<_> = layers
+                    .map(|(i, (layer, batch))| {
+                        self.depth_pass(graph, format!("{name}.{i}"), expansion, views, vec![batch], layer, faces)
+                    })
+                    .collect();
+                graph.join(drawn).expect("a view set has a view")
+            }
         }
-        if count <= graph.caps().limits.max_multiview_views {
-            return self.depth_pass(graph, name.into(), Expansion::Multiview, views, 0, target, faces);
-        }
-        let layers = graph.split_layers(target).into_iter().enumerate();
-        let drawn: Vec<_> = layers
-            .map(|(i, layer)| {
-                let name = format!("{name}.{i}");
-                self.depth_pass(graph, name, Expansion::Separate, views, i, layer, faces)
-            })
-            .collect();
-        graph.join(drawn).expect("a view set has a view")
     }
 
     #[allow(clippy::too_many_arguments)]
@@ -50,25 +98,14 @@ impl GpuScene {
         name: String,
         expansion: Expansion,
         views: &ViewSet,
-        index: usize,
+        batches: Vec<Batch<'f>>,
         target: ImageHandle,
         faces: Faces,
     ) -> ImageHandle {
-        let frusta = match expansion {
-            Expansion::Multiview => views.frusta(),
-            Expansion::Separate => vec![views.frusta()[index]],
-        };
-        let opaque = self.draws.visible(DrawClass::Opaque, &frusta);
-        let masked = self.draws.visible(DrawClass::Masked, &frusta);
-
-        let (opaque_vertex, masked_vertex) = match expansion {
-            Expansion::Multiview => (&shaders::opaque_multiview_vert::SHADER, &shaders::masked_multiview_vert::SHADER),
-            Expansion::Separate => (&shaders::opaque_vert::SHADER, &shaders::masked_vert::SHADER),
-        };
-        let mut programs = vec![Program::new(opaque_vertex, None).vertex_buffers(POSITIONS)];
-        if !masked.is_empty() {
-            let fragment: &'static Shader = &shaders::masked_frag::SHADER;
-            let program = Program::new(masked_vertex, Some(fragment)).vertex_buffers(ALPHA_TESTED);
+        let [opaque, masked] = expansion.shaders();
+        let mut programs = vec![Program::new(opaque, None).vertex_buffers(POSITIONS)];
+        if batches.iter().any(|batch| !batch.draws[1].is_empty()) {
+            let program = Program::new(masked, Some(&shaders::masked_frag::SHADER)).vertex_buffers(ALPHA_TESTED);
             programs.push(program.set_layout(1, &self.material_layout));
         }
         let programs = programs.into_iter().map(|program| program.depth(depth::CLOSER, true)).collect();
@@ -81,15 +118,14 @@ impl GpuScene {
         }
         let next = pass.depth(target, Load::Clear(depth::CLEAR));
         pass.draw(move |recorder| {
-            for (program, draws) in [opaque, masked].iter().enumerate() {
-                if draws.is_empty() {
-                    continue;
+            for batch in &batches {
+                for (program, draws) in batch.draws.iter().enumerate().filter(|(_, draws)| !draws.is_empty()) {
+                    recorder.program(program);
+                    if let Some(view) = batch.view {
+                        recorder.push(&view);
+                    }
+                    self.draw(recorder, faces, draws);
                 }
-                recorder.program(program);
-                if expansion == Expansion::Separate {
-                    recorder.push(&(index as u32));
-                }
-                self.draw(recorder, faces, draws);
             }
             Ok(())
         });

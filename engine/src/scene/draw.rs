@@ -1,5 +1,6 @@
 //! Draw lists: what to draw, in buckets of equal state.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use ash::vk;
@@ -43,6 +44,8 @@ pub struct Draw {
     pub mirrored: bool,
     /// Index of the material.
     pub material: usize,
+    /// Textures that the material has, as bits in the order of set 1.
+    pub textures: u32,
     /// In the scene's index buffer.
     pub indices: Range<u32>,
     /// Added to each index.
@@ -84,6 +87,13 @@ impl DrawList {
         self.draws.iter().map(|draw| draw.bounds).reduce(Aabb::union)
     }
 
+    /// Every combination of textures among draws of these classes, each once; the empty one where there is no draw.
+    pub fn texture_sets(&self, classes: &[DrawClass]) -> Vec<u32> {
+        let of_class = self.draws.iter().filter(|draw| classes.contains(&draw.class));
+        let sets: BTreeSet<_> = of_class.map(|draw| draw.textures).collect();
+        if sets.is_empty() { vec![0] } else { sets.into_iter().collect() }
+    }
+
     /// The draws of a class that touch one of the frusta (all where there are none).
     pub fn visible(&self, class: DrawClass, frusta: &[Frustum]) -> Vec<&Draw> {
         let seen = |draw: &&Draw| frusta.is_empty() || frusta.iter().any(|frustum| frustum.touches(&draw.bounds));
@@ -100,6 +110,9 @@ impl DrawList {
         draws
     }
 }
+
+/// Specialisation constant of `common/materials.glsl`: which textures a pipeline samples, as bits.
+pub const TEXTURES: u32 = 0;
 
 /// Vertex buffers of a pass that needs positions alone.
 pub const POSITIONS: &[VertexBuffer<'static>] = &[VertexBuffer {
@@ -143,6 +156,21 @@ impl GpuScene {
         for draw in draws {
             self.state(recorder, faces, draw);
             recorder.draw_indexed(draw.indices.clone(), draw.vertex_offset, draw.instances.clone());
+        }
+    }
+
+    /// Records draws with the program made for their textures: program `i` of the pass samples `texture_sets[i]`.
+    pub fn draw_by_textures(
+        &self,
+        recorder: &mut Recorder,
+        texture_sets: &[u32],
+        draws: &[&Draw],
+        mut record: impl FnMut(&mut Recorder, &[&Draw]),
+    ) {
+        for run in draws.chunk_by(|a, b| a.textures == b.textures) {
+            let program = texture_sets.iter().position(|&set| set == run[0].textures);
+            recorder.program(program.unwrap_or(0));
+            record(recorder, run);
         }
     }
 

@@ -218,6 +218,7 @@ fn draws_and_instances(scene: &Scene, geometry: &Geometry) -> (DrawList, Vec<blo
                 double_sided,
                 mirrored,
                 material,
+                textures: textures_of(&scene.materials[material]),
                 indices: first_index..first_index + index_count,
                 vertex_offset,
                 instances: at..at + 1,
@@ -283,12 +284,17 @@ fn slots(material: &Material) -> [(Option<TextureSlot>, Encoding); 5] {
     ]
 }
 
+/// Which textures a material has, as bits in the order of set 1.
+fn textures_of(material: &Material) -> u32 {
+    slots(material).iter().enumerate().map(|(i, (slot, _))| u32::from(slot.is_some()) << i).sum()
+}
+
 fn material_record(material: &Material) -> blocks::Material {
-    let mut flags = u32::from(material.unlit) << 16;
+    let mut flags = textures_of(material) | u32::from(material.unlit) << 16;
     let mut rows = [Vec3::ZERO; 10];
     for (i, (slot, _)) in slots(material).into_iter().enumerate() {
         let Some(slot) = slot else { continue };
-        flags |= 1 << i | u32::from(slot.uv_set == 1) << (i + 8);
+        flags |= u32::from(slot.uv_set == 1) << (i + 8);
         let transform = slot.transform.transpose();
         (rows[2 * i], rows[2 * i + 1]) = (transform.x_axis, transform.y_axis);
     }

@@ -11,4 +11,7 @@ invariant gl_Position;
 void main() {
     vec3 world = transform_point(instances[gl_InstanceIndex], position);
     gl_Position = views[VIEW_INDEX].clip_from_world * vec4(world, 1.0);
+#ifdef LAYERED
+    gl_Layer = int(VIEW_INDEX);
+#endif
 }

@@ -19,7 +19,7 @@ pub fn ci(workspace: &Workspace) -> Result<()> {
         let mut doc = shell::cargo(&workspace.root, &["doc", "--workspace", "--no-deps"]);
         shell::run(doc.env("RUSTDOCFLAGS", "--deny warnings"))
     })?;
-    steps.run("tests", || test::run(workspace, &TestOptions::default()))?;
+    steps.run("tests", || test::run(workspace, &TestOptions { strict: true, ..TestOptions::default() }))?;
     if packages::is_debian() {
         steps.run("portable tests on lavapipe25", || portable_tests(workspace, Driver::Lavapipe25))?;
         steps.run("portable tests on swiftshader", || portable_tests(workspace, Driver::Swiftshader))?;
@@ -35,7 +35,7 @@ fn cargo(workspace: &Workspace, arguments: &[&str]) -> Result<()> {
 }
 
 fn portable_tests(workspace: &Workspace, driver: Driver) -> Result<()> {
-    let options = TestOptions { driver: Some(driver), portable: true, ..TestOptions::default() };
+    let options = TestOptions { driver: Some(driver), portable: true, strict: true, ..TestOptions::default() };
     test::run(workspace, &options)
 }
 

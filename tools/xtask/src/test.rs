@@ -9,8 +9,9 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::{env, fs};
 
-/// Tests that every driver must pass have this in their name.
+/// Every driver must pass the tests with this in their names, and all tests of these programs.
 const PORTABLE: &str = "portable_";
+const PORTABLE_PROGRAMS: &[&str] = &["gpu_device", "gpu_memory", "gpu_pipeline"];
 
 /// Which tests to run, and on what.
 #[derive(Debug, Default, clap::Args)]
@@ -18,7 +19,7 @@ pub struct TestOptions {
     /// The Vulkan driver; the system's lavapipe where it is installed.
     #[arg(long)]
     pub driver: Option<Driver>,
-    /// Run the long tests as well, and more random cases.
+    /// Run the ignored tests as well, and many more random cases.
     #[arg(long)]
     pub long: bool,
     /// Run only the tests that every driver must pass.
@@ -26,6 +27,9 @@ pub struct TestOptions {
     pub portable: bool,
     /// Run only tests whose names contain one of these.
     pub filter: Vec<String>,
+    /// A tool that a test needs and that is missing is a failure.
+    #[arg(skip)]
+    pub strict: bool,
     /// Arguments for the test programs, such as --nocapture.
     #[arg(last = true)]
     pub arguments: Vec<String>,
@@ -49,18 +53,17 @@ pub fn test(workspace: &Workspace, options: &TestOptions) -> Result<()> {
 pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<()> {
     let driver = options.driver.unwrap_or_else(default_driver);
     let skipped = SkipList::new(workspace, driver);
-    let mut command = shell::cargo(&workspace.root, &["test", "--workspace", "--no-fail-fast", "--"]);
-    command.args(&options.filter).args(&options.arguments);
-    if options.portable {
-        command.arg(PORTABLE);
-    }
-    if options.long {
-        command.arg("--include-ignored").env("PROPTEST_CASES", "4096");
-    }
-    set_environment(&mut command, workspace, driver, &skipped)?;
-
+    let manifest = driver.manifest(workspace)?;
     let mut tally = Tally::default();
-    let succeeded = shell::run_lines(&mut command, |line| tally.add(line))?;
+    let mut succeeded = true;
+    for selection in selections(options) {
+        let mut command = test_command(workspace, options, &selection);
+        command.env("SHADOWGRAPH_SKIPPED", &skipped.path);
+        if let Some(manifest) = &manifest {
+            drivers::select(&mut command, manifest);
+        }
+        succeeded &= shell::run_lines(&mut command, |line| tally.add(line))?;
+    }
     let skipped = skipped.read();
     for line in &skipped {
         println!("skipped: {line}");
@@ -99,15 +102,29 @@ fn default_driver() -> Driver {
     if told || drivers::system_lavapipe().is_none() { Driver::System } else { Driver::Lavapipe }
 }
 
-fn set_environment(command: &mut Command, workspace: &Workspace, driver: Driver, skipped: &SkipList) -> Result<()> {
-    if let Some(manifest) = driver.manifest(workspace)? {
-        drivers::select(command, &manifest);
+/// The arguments of cargo's runs, up to the names of tests.
+fn selections(options: &TestOptions) -> Vec<Vec<&'static str>> {
+    if !options.portable {
+        return vec![vec!["--"]];
     }
+    let programs = PORTABLE_PROGRAMS.iter().flat_map(|program| ["--test", program]);
+    vec![programs.chain(["--"]).collect(), vec!["--", PORTABLE]]
+}
+
+/// One run of cargo, with what the tests rely on in its environment.
+fn test_command(workspace: &Workspace, options: &TestOptions, selection: &[&str]) -> Command {
+    let mut command = shell::cargo(&workspace.root, &["test", "--workspace", "--no-fail-fast"]);
+    command.args(selection).args(&options.filter).args(&options.arguments).env("SHADOWGRAPH_VALIDATION", "1");
     if let Some(scenes) = scenes(workspace) {
         command.env("SHADOWGRAPH_SCENES", scenes);
     }
-    command.env("SHADOWGRAPH_VALIDATION", "1").env("SHADOWGRAPH_SKIPPED", &skipped.path);
-    Ok(())
+    if options.long {
+        command.arg("--include-ignored").env("SHADOWGRAPH_LONG", "1");
+    }
+    if options.strict {
+        command.env("SHADOWGRAPH_CI", "1");
+    }
+    command
 }
 
 /// The file to which a test that cannot run adds a line: its name, a colon, and the reason.
@@ -151,6 +168,18 @@ impl Tally {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn portable_tests_are_whole_programs_and_names() {
+        assert_eq!(selections(&TestOptions::default()), [["--"]]);
+        let portable = selections(&TestOptions { portable: true, ..TestOptions::default() });
+        assert_eq!(portable[0][..3], ["--test", "gpu_device", "--test"]);
+        assert_eq!(portable[1], ["--", "portable_"]);
+        for program in PORTABLE_PROGRAMS {
+            let file = format!("{}/../../tests/tests/{program}.rs", env!("CARGO_MANIFEST_DIR"));
+            assert!(fs::exists(&file).is_ok_and(|exists| exists), "{file}");
+        }
+    }
 
     #[test]
     fn closing_lines_are_summed() {

@@ -3,6 +3,7 @@
 use ash::vk::{AccessFlags2 as Mask, ImageLayout as Layout, PipelineStageFlags2 as Stages};
 
 use super::history::{At, Group, History, Schedule};
+use super::lifetimes::Lifetimes;
 use super::place::Placed;
 use super::queues::{Crossing, Families};
 use super::versions::Versions;
@@ -47,6 +48,7 @@ pub(super) struct Context<'a> {
     pub(super) versions: &'a Versions,
     pub(super) history: &'a History,
     pub(super) schedule: &'a Schedule,
+    pub(super) lifetimes: &'a Lifetimes,
     pub(super) families: Families,
 }
 
@@ -74,7 +76,9 @@ pub(super) fn pending(context: &Context, placed: &Placed) -> Vec<Pending> {
         // What the contents were made visible to since they were written.
         let mut visible: Vec<(Stages, Mask)> = Vec::new();
         if let Some(arrived) = groups.first().filter(|group| group.first == At::START && !group.write) {
-            visible.push((arrived.access.stages, arrived.access.mask));
+            let Access { stages, mask, .. } = arrived.access;
+            let idle = stages.is_empty();
+            visible.push(if idle { (Stages::from_raw(!0), Mask::from_raw(!0)) } else { (stages, mask) });
         }
         for pair in groups.windows(2) {
             between(context, cell, &pair[0], &pair[1], &mut visible, &mut pending);
@@ -93,9 +97,9 @@ fn first_use(context: &Context, placed: &Placed, cell: u32, first: &Group, pendi
     for &tenant in &placed.earlier[resource.0 as usize] {
         for group in context.versions.cells.of(tenant).filter_map(|cell| context.history.of(cell).last()) {
             old = old.max(Some((group.last, tenant)));
-            if group.queue != first.queue {
-                // A semaphore made all of it available; what stands here only has to come behind the semaphore.
-                from.stages |= first.access.stages;
+            if group.queue != first.queue || context.lifetimes.is_done(group.last, group.queue, first.first) {
+                // A semaphore made all of it available; a transition has to come behind the semaphore.
+                from.stages |= if is_image { first.access.stages } else { Stages::NONE };
             } else {
                 from.stages |= group.access.stages;
                 if group.write {
@@ -135,6 +139,7 @@ fn between(
 ) {
     let is_image = context.is_image(context.versions.cells.resource(cell));
     let crosses = prev.queue != next.queue;
+    let synced = crosses || context.lifetimes.is_done(prev.last, prev.queue, next.first);
     let keeps = next.reads && !(is_image && prev.access.layout == Layout::UNDEFINED);
     let [old, new] = [prev, next].map(|group| context.families.of(group.queue));
     let ownership = (crosses && keeps && old != new).then_some(Ownership { from: old, to: new });
@@ -162,13 +167,17 @@ fn between(
         push(prev.last, true, Kind { to, ..kind });
     }
     let seen = |mask: Mask| visible.iter().any(|known| known.0.contains(next.access.stages) && known.1.contains(mask));
-    if crosses {
+    if synced {
         // The semaphore made everything visible. What stands here has to come behind it.
         if transition || ownership.is_some() {
-            let from = Access { stages: next.access.stages, mask: Mask::NONE, layout };
+            let stages = if next.access.stages.is_empty() { Stages::ALL_COMMANDS } else { next.access.stages };
+            let from = Access { stages, mask: Mask::NONE, layout };
             push(next.first, false, Kind { from, ..kind });
         }
         visible.clear();
+        if !transition && ownership.is_none() {
+            visible.push((Stages::from_raw(!0), Mask::from_raw(!0)));
+        }
     } else if transition || prev.write {
         push(next.first, false, kind);
         visible.clear();
@@ -237,9 +246,17 @@ impl Context<'_> {
         self.versions.cells.resource(pending.cell)
     }
 
-    /// Queues that take imported resources over from graphics at the start.
+    /// Queues that use imported resources first: they wait for what graphics did to them before the frame, and for
+    /// their release.
     pub(super) fn takers(&self, pending: &[Pending]) -> Vec<Queue> {
+        let cells = 0..self.versions.cells.len() as u32;
+        let arrived = cells.filter_map(|cell| match self.history.of(cell) {
+            [first, next, ..] if first.first == At::START && !first.access.stages.is_empty() => Some(next.queue),
+            _ => None,
+        });
         let releases = pending.iter().filter(|barrier| barrier.release && barrier.at == At::START);
-        releases.filter_map(|barrier| barrier.kind.after.index()).map(|step| self.schedule.queues[step]).collect()
+        let released = releases.filter_map(|barrier| barrier.kind.after.index());
+        let takers = arrived.chain(released.map(|step| self.schedule.queues[step]));
+        takers.filter(|queue| *queue != Queue::Graphics).collect()
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Lifetime;
 use super::history::{At, History, Schedule};
-use super::queues::Crossing;
+use super::queues::{Crossing, QUEUES};
 use super::versions::Versions;
 use crate::graph::description::{Description, Queue, ResourceId};
 
@@ -12,7 +12,7 @@ pub(super) struct Lifetimes {
     pub(super) steps: Vec<[Option<[usize; 2]>; 3]>,
     /// By resource: kept to the end of the frame.
     kept: Vec<bool>,
-    /// By step and queue: the first step of that queue that may still be running.
+    /// By step (then the end) and queue: the first step that may still be running on that queue.
     done: Vec<[usize; 3]>,
     queues: Vec<Queue>,
     one_queue: bool,
@@ -59,6 +59,12 @@ impl Lifetimes {
         self.one_queue
     }
 
+    /// Whether semaphores order all work of a queue up to `prev` before `next`, and make it visible.
+    pub(super) fn is_done(&self, prev: At, queue: Queue, next: At) -> bool {
+        let end = self.queues.len();
+        prev.index().is_some_and(|step| self.done[next.index().unwrap_or(end)][queue as usize] > step)
+    }
+
     /// Whether every use of `a` is done, by the order of its queue or by semaphores, when `b` begins.
     pub(super) fn before(&self, a: ResourceId, b: ResourceId) -> bool {
         let ends = self.steps[a.0 as usize].iter().enumerate().filter_map(|(queue, span)| Some((queue, (*span)?[1])));
@@ -72,16 +78,22 @@ impl Lifetimes {
     }
 }
 
-/// What each step knows to be done on other queues, from the semaphores it and those before it waited for.
+/// What each step, and the end of the frame, knows to be done, from the semaphores that it and those before it waited
+/// for.
 fn done(schedule: &Schedule, crossings: &[Crossing]) -> Vec<[usize; 3]> {
     let steps = schedule.nodes.len();
     let mut sorted = crossings.to_vec();
+    for queue in QUEUES.into_iter().filter(|queue| *queue != Queue::Graphics) {
+        // The end of the frame waits for every queue.
+        let last = schedule.queues.iter().rposition(|other| *other == queue);
+        sorted.extend(last.map(|from| Crossing { from, to: steps }));
+    }
     sorted.sort_unstable();
     let mut crossings = sorted.into_iter().peekable();
     let mut latest = [[0; 3]; 3];
-    let mut done = vec![[0; 3]; steps];
-    for step in 0..steps {
-        let mine = &mut latest[schedule.queues[step] as usize];
+    let mut done = vec![[0; 3]; steps + 1];
+    for step in 0..=steps {
+        let mine = &mut latest[schedule.queues.get(step).copied().unwrap_or_default() as usize];
         while let Some(crossing) = crossings.next_if(|crossing| crossing.to == step) {
             let from = schedule.queues[crossing.from] as usize;
             mine[from] = mine[from].max(crossing.from + 1);

@@ -68,7 +68,14 @@ pub fn plan(description: &Description, device: &dyn DeviceModel) -> Result<Plan,
     let placed = place::place(description, device, &requirements, &lifetimes);
 
     // 8. Put barriers between, and steps together.
-    let context = Context { description, versions: &versions, history: &history, schedule: &schedule, families };
+    let context = Context {
+        description,
+        versions: &versions,
+        history: &history,
+        schedule: &schedule,
+        lifetimes: &lifetimes,
+        families,
+    };
     let pending = barriers::pending(&context, &placed);
     let batches = queues::batches(&schedule, crossings, &context.takers(&pending));
     let steps = (0..schedule.nodes.len())

@@ -35,6 +35,20 @@ const COUNT: usize = STAGES.len();
 /// Stages of the graphics pipeline.
 const PIPELINE: usize = 11;
 
+/// Takes out memory barriers that do less than another one of the same call.
+fn subsumed(barriers: &mut Vec<MemoryBarrier>) {
+    let holds = |a: &Access, b: &Access| a.stages.contains(b.stages) && a.mask.contains(b.mask);
+    let mut kept: Vec<MemoryBarrier> = Vec::with_capacity(barriers.len());
+    for barrier in barriers.drain(..) {
+        if kept.iter().any(|other| holds(&other.from, &barrier.from) && holds(&other.to, &barrier.to)) {
+            continue;
+        }
+        kept.retain(|other| !(holds(&barrier.from, &other.from) && holds(&barrier.to, &other.to)));
+        kept.push(barrier);
+    }
+    *barriers = kept;
+}
+
 /// Stages as bits of their places above.
 type Set = u32;
 
@@ -86,6 +100,7 @@ impl Ordered {
     /// Takes out what follows from other barriers, and remembers what the rest orders. `step`: how many steps of the
     /// queue stand before; `last`: at which place of the queue some work stands (1 for the first).
     pub(super) fn filter(&mut self, barriers: &mut Barriers, step: u32, last: impl Fn(Work) -> Option<u32>) {
+        subsumed(&mut barriers.memory);
         let known = self.clone();
         let mut apply = |from: &Access, to: &Access| self.apply(&known, from.stages, to.stages, step);
         barriers.images.iter().for_each(|barrier| apply(&barrier.from, &barrier.to));

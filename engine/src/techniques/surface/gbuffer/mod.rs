@@ -3,9 +3,9 @@
 
 use ash::vk;
 
-use crate::gpu::Feature;
+use crate::gpu::{Constant, Feature};
 use crate::graph::{Graph, ImageHandle, ImageShape, Load};
-use crate::scene::{DrawClass, Faces, GpuScene, SHADED, View, ViewSet};
+use crate::scene::{DrawClass, Faces, GpuScene, SHADED, TEXTURES, View, ViewSet};
 use crate::shader::Program;
 use crate::shader::generated::surface::gbuffer::{
     gbuffer_frag, gbuffer_pulled_frag, gbuffer_pulled_vert, gbuffer_vert,
@@ -80,12 +80,14 @@ impl GBuffer {
         let views = ViewSet::from(*view);
         let frusta = views.frusta();
         let pull = self.pull_vertices || !graph.caps().has(Feature::GeometryShader);
+        let texture_sets = scene.draws.texture_sets(&[DrawClass::Opaque, DrawClass::Masked]);
         let program = match pull {
             true => Program::new(&gbuffer_pulled_vert::SHADER, Some(&gbuffer_pulled_frag::SHADER)),
             false => Program::new(&gbuffer_vert::SHADER, Some(&gbuffer_frag::SHADER)).vertex_buffers(SHADED),
         };
         let program = program.depth(vk::CompareOp::EQUAL, false).set_layout(1, &scene.material_layout);
-        let mut pass = graph.raster("gbuffer", vec![program]);
+        let one_each = texture_sets.iter().map(|&set| program.clone().constant(TEXTURES, Constant::U32(set)));
+        let mut pass = graph.raster("gbuffer", one_each.collect());
         pass.uniform(gbuffer_vert::VIEWS, &views.block())
             .constant(gbuffer_vert::INSTANCES, &scene.instances)
             .depth_test(&depth);
@@ -102,13 +104,15 @@ impl GBuffer {
         let emissive = pass.color(gbuffer_frag::EMISSIVE, emissive, none);
         let ids = pass.color_uint(gbuffer_frag::IDS, ids, Load::Clear([0; 4]));
         pass.draw(move |recorder| {
-            recorder.push(&0u32);
             for class in [DrawClass::Opaque, DrawClass::Masked] {
                 let draws = scene.draws.visible(class, &frusta);
-                match pull {
-                    true => scene.draw_pulled(recorder, Faces::Material, &draws),
-                    false => scene.draw(recorder, Faces::Material, &draws),
-                }
+                scene.draw_by_textures(recorder, &texture_sets, &draws, |recorder, draws| {
+                    recorder.push(&0u32);
+                    match pull {
+                        true => scene.draw_pulled(recorder, Faces::Material, draws),
+                        false => scene.draw(recorder, Faces::Material, draws),
+                    }
+                });
             }
             Ok(())
         });

@@ -3,9 +3,9 @@
 
 use glam::Vec3;
 
-use crate::gpu::{SamplerInfo, blend};
+use crate::gpu::{Constant, SamplerInfo, blend};
 use crate::graph::{Graph, ImageHandle, Load};
-use crate::scene::{DrawClass, Faces, GpuScene, SHADED, View, ViewSet, depth};
+use crate::scene::{DrawClass, Faces, GpuScene, SHADED, TEXTURES, View, ViewSet, depth};
 use crate::shader::Program;
 use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::sorted::{sorted_frag as fragment, sorted_vert as vertex};
@@ -51,7 +51,9 @@ impl Sorted {
             .depth(depth::CLOSER, false)
             .blend(blend::over())
             .set_layout(1, &scene.material_layout);
-        let mut pass = graph.raster("transparency.sorted", vec![program]);
+        let texture_sets = scene.draws.texture_sets(&[DrawClass::Blend]);
+        let one_each = texture_sets.iter().map(|&set| program.clone().constant(TEXTURES, Constant::U32(set)));
+        let mut pass = graph.raster("transparency.sorted", one_each.collect());
         pass.uniform(vertex::VIEWS, &views.block())
             .constant(vertex::INSTANCES, &scene.instances)
             .uniform(fragment::LIGHTS, lights.lights)
@@ -80,8 +82,11 @@ impl Sorted {
         };
         let color = pass.color(fragment::COLOR, color, Load::Keep);
         pass.draw(move |recorder| {
-            recorder.push(&0u32);
-            scene.draw(recorder, Faces::Material, &scene.draws.back_to_front(&frustum, eye));
+            let draws = scene.draws.back_to_front(&frustum, eye);
+            scene.draw_by_textures(recorder, &texture_sets, &draws, |recorder, draws| {
+                recorder.push(&0u32);
+                scene.draw(recorder, Faces::Material, draws);
+            });
             Ok(())
         });
         color

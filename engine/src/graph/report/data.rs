@@ -1,0 +1,299 @@
+//! A plan with all of its names, to be serialised.
+
+use serde::Serialize;
+
+use crate::graph::description::{Access, Description, Range, Resource, ResourceId, Shape, Use};
+use crate::graph::plan::{Barriers, Ownership, Plan, Reason, Statistics, Work};
+
+/// Name of the form of [`Report`], with its version.
+pub const SCHEMA: &str = "shadowgraph.graph/1.0";
+
+/// A description and its plan.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// [`SCHEMA`].
+    pub schema: &'static str,
+    /// Name of the graph.
+    pub graph: String,
+    /// Passes and read-backs that run, in order.
+    pub steps: Vec<StepReport>,
+    /// Barriers after the last step.
+    pub finally: Vec<BarrierReport>,
+    /// Passes that do not run.
+    pub culled: Vec<CulledReport>,
+    /// Memory of transients.
+    pub memory: MemoryReport,
+    /// Figures.
+    pub statistics: Statistics,
+}
+
+/// A pass or a read-back.
+#[derive(Clone, Debug, Serialize)]
+pub struct StepReport {
+    /// Name of the pass, or of the root.
+    pub name: String,
+    /// `pass` or `read-back`.
+    pub kind: &'static str,
+    /// Queue it runs on.
+    pub queue: String,
+    /// Index of its submission.
+    pub batch: usize,
+    /// Barriers before it.
+    pub barriers: Vec<BarrierReport>,
+    /// What it reads.
+    pub reads: Vec<UseReport>,
+    /// What it writes.
+    pub writes: Vec<UseReport>,
+    /// Why it runs although nobody reads what it writes.
+    pub side_effect: Option<String>,
+    /// Time on the device, where the frame ran and the device tells.
+    pub milliseconds: Option<f64>,
+}
+
+/// A use of a resource.
+#[derive(Clone, Debug, Serialize)]
+pub struct UseReport {
+    /// What the pass calls it.
+    pub slot: String,
+    /// Name of the resource.
+    pub resource: String,
+    /// Which part of it, in words; empty where it is all.
+    pub part: String,
+    /// Version that is read, or written over.
+    pub version: u32,
+    /// Version that is made.
+    pub makes: Option<u32>,
+    /// Pipeline stages.
+    pub stages: String,
+    /// Memory accesses.
+    pub access: String,
+    /// Image layout.
+    pub layout: Option<String>,
+}
+
+/// A barrier.
+#[derive(Clone, Debug, Serialize)]
+pub struct BarrierReport {
+    /// `image`, `buffer` or `memory`.
+    pub kind: &'static str,
+    /// Name of the resource.
+    pub resource: Option<String>,
+    /// Which part of it, in words; empty where it is all.
+    pub part: String,
+    /// First stages and accesses.
+    pub from: [String; 2],
+    /// Second stages and accesses.
+    pub to: [String; 2],
+    /// Layouts before and after, of an image.
+    pub layouts: Option<[String; 2]>,
+    /// Queue families that it is handed over from and to.
+    pub families: Option<[u32; 2]>,
+    /// Why it stands.
+    pub reason: String,
+}
+
+/// A pass that does not run.
+#[derive(Clone, Debug, Serialize)]
+pub struct CulledReport {
+    /// Name of the pass.
+    pub name: String,
+    /// Why.
+    pub reason: String,
+}
+
+/// Memory of transients.
+#[derive(Clone, Debug, Serialize)]
+pub struct MemoryReport {
+    /// Heaps.
+    pub heaps: Vec<HeapReport>,
+    /// Bytes of all heaps.
+    pub bytes: u64,
+    /// Bytes if no two transients shared memory.
+    pub unaliased_bytes: u64,
+    /// Bytes that sharing saves.
+    pub saved_bytes: u64,
+    /// The most bytes alive at once in this order.
+    pub lower_bound_bytes: u64,
+    /// Heaps over lower bound; 1 is perfect.
+    pub over_lower_bound: f64,
+}
+
+/// A heap and who lies in it.
+#[derive(Clone, Debug, Serialize)]
+pub struct HeapReport {
+    /// Bytes.
+    pub bytes: u64,
+    /// Memory types that will do.
+    pub type_bits: u32,
+    /// By offset, then by time.
+    pub placements: Vec<PlacementReport>,
+}
+
+/// Where a transient lies.
+#[derive(Clone, Debug, Serialize)]
+pub struct PlacementReport {
+    /// Name of the resource.
+    pub resource: String,
+    /// Bytes from the heap's start.
+    pub offset: u64,
+    /// Bytes.
+    pub bytes: u64,
+    /// First and last step that use it.
+    pub steps: [usize; 2],
+}
+
+impl Report {
+    /// Of a description and its plan.
+    pub fn new(description: &Description, plan: &Plan) -> Self {
+        let mut batch_of = vec![0; plan.steps.len()];
+        for (index, batch) in plan.batches.iter().enumerate() {
+            batch.steps.iter().for_each(|&step| batch_of[step] = index);
+        }
+        let steps = plan.steps.iter().zip(batch_of);
+        let step = |(step, batch): (&crate::graph::plan::Step, usize)| StepReport {
+            queue: format!("{:?}", step.queue),
+            batch,
+            barriers: barriers(description, &step.barriers),
+            ..self::step(description, step.work)
+        };
+        let culled = plan.culled.iter().map(|(pass, reason)| CulledReport {
+            name: description.passes[pass.0 as usize].name.clone(),
+            reason: reason.explain(description),
+        });
+        Self {
+            schema: SCHEMA,
+            graph: description.name.clone(),
+            steps: steps.map(step).collect(),
+            finally: barriers(description, &plan.finally),
+            culled: culled.collect(),
+            memory: memory(description, plan),
+            statistics: plan.statistics,
+        }
+    }
+
+    /// As JSON.
+    ///
+    /// # Errors
+    /// What the serialiser says; a report of finite times has no reason to fail.
+    pub fn json(&self) -> serde_json::Result<String> {
+        serde_json::to_string_pretty(self)
+    }
+}
+
+fn step(description: &Description, work: Work) -> StepReport {
+    let empty = StepReport {
+        name: String::new(),
+        kind: "pass",
+        queue: String::new(),
+        batch: 0,
+        barriers: Vec::new(),
+        reads: Vec::new(),
+        writes: Vec::new(),
+        side_effect: None,
+        milliseconds: None,
+    };
+    match work {
+        Work::Pass(pass) => {
+            let pass = &description.passes[pass.0 as usize];
+            let uses = |writes: bool| {
+                let uses = pass.uses.iter().filter(move |used| used.makes.is_some() == writes);
+                uses.map(|used| used_report(description, used)).collect()
+            };
+            let side_effect = pass.side_effect.clone();
+            StepReport { name: pass.name.clone(), reads: uses(false), writes: uses(true), side_effect, ..empty }
+        }
+        Work::ReadBack(root) => {
+            let root = &description.roots[root];
+            let (version, access) = (root.version, Access::copy_read());
+            let used = Use { slot: "source".into(), version, makes: None, reads: true, access };
+            let reads = vec![used_report(description, &used)];
+            StepReport { name: root.name.clone(), kind: "read-back", reads, ..empty }
+        }
+    }
+}
+
+fn used_report(description: &Description, used: &Use) -> UseReport {
+    let version = &description.versions[used.version.0 as usize];
+    let resource = &description.resources[version.resource.0 as usize];
+    UseReport {
+        slot: used.slot.clone(),
+        resource: resource.name.clone(),
+        part: part(&resource.shape, &version.range),
+        version: used.version.0,
+        makes: used.makes.map(|made| made.0),
+        stages: format!("{:?}", used.access.stages),
+        access: format!("{:?}", used.access.mask),
+        layout: matches!(resource.shape, Shape::Image(_)).then(|| format!("{:?}", used.access.layout)),
+    }
+}
+
+fn barriers(description: &Description, barriers: &Barriers) -> Vec<BarrierReport> {
+    let scope = |access: &Access| [format!("{:?}", access.stages), format!("{:?}", access.mask)];
+    let report = |kind, place: Option<(ResourceId, &Range)>, from: &Access, to: &Access, reason: &Reason| {
+        let place = place.map(|(id, range)| (&description.resources[id.0 as usize], range));
+        BarrierReport {
+            kind,
+            resource: place.map(|(resource, _): (&Resource, _)| resource.name.clone()),
+            part: place.map_or_else(String::new, |(resource, range)| part(&resource.shape, range)),
+            from: scope(from),
+            to: scope(to),
+            layouts: None,
+            families: None,
+            reason: reason.explain(description),
+        }
+    };
+    let families = |ownership: Option<Ownership>| ownership.map(|ownership| [ownership.from, ownership.to]);
+    let memory = barriers.memory.iter().map(|b| report("memory", None, &b.from, &b.to, &b.reason));
+    let buffers = barriers.buffers.iter().map(|b| {
+        let place = Some((b.resource, &b.range));
+        BarrierReport { families: families(b.ownership), ..report("buffer", place, &b.from, &b.to, &b.reason) }
+    });
+    let images = barriers.images.iter().map(|b| {
+        let place = Some((b.resource, &b.range));
+        let layouts = Some([b.from, b.to].map(|access| format!("{:?}", access.layout)));
+        let families = families(b.ownership);
+        BarrierReport { families, layouts, ..report("image", place, &b.from, &b.to, &b.reason) }
+    });
+    memory.chain(buffers).chain(images).collect()
+}
+
+fn memory(description: &Description, plan: &Plan) -> MemoryReport {
+    let heap = |(index, heap): (usize, &crate::graph::plan::Heap)| {
+        let mut placed: Vec<_> = plan.placements.iter().filter(|placement| placement.heap == index).collect();
+        placed.sort_unstable_by_key(|placement| (placement.offset, placement.steps));
+        let placements = placed.into_iter().map(|placement| PlacementReport {
+            resource: description.resources[placement.resource.0 as usize].name.clone(),
+            offset: placement.offset,
+            bytes: placement.size,
+            steps: placement.steps,
+        });
+        HeapReport { bytes: heap.size, type_bits: heap.type_bits, placements: placements.collect() }
+    };
+    let Statistics { heap_bytes, unaliased_bytes, lower_bound_bytes, .. } = plan.statistics;
+    MemoryReport {
+        heaps: plan.heaps.iter().enumerate().map(heap).collect(),
+        bytes: heap_bytes,
+        unaliased_bytes,
+        saved_bytes: unaliased_bytes.saturating_sub(heap_bytes),
+        lower_bound_bytes,
+        over_lower_bound: if lower_bound_bytes == 0 { 1.0 } else { heap_bytes as f64 / lower_bound_bytes as f64 },
+    }
+}
+
+/// A range in words; empty where it is all.
+pub(super) fn part(shape: &Shape, range: &Range) -> String {
+    let span = |what: &str, part: &[u32; 2], all: [u32; 2]| {
+        let [first, end] = part;
+        (*part != all).then(|| format!("{what} {first}..{end}"))
+    };
+    match (shape.whole(), range) {
+        (whole, range) if whole == *range => String::new(),
+        (Range::Image { aspects: all, mips: ms, layers: ls }, Range::Image { aspects, mips, layers }) => {
+            let aspects = (*aspects != all).then(|| format!("{aspects:?}"));
+            let parts = [aspects, span("mips", mips, ms), span("layers", layers, ls)];
+            parts.into_iter().flatten().collect::<Vec<_>>().join(" ")
+        }
+        (_, Range::Buffer([first, end])) => format!("bytes {first}..{end}"),
+        _ => String::new(),
+    }
+}

@@ -1,0 +1,14 @@
+//! Reports of a description and its plan: as text, as a DOT graph, as JSON.
+//!
+//! [`Report`] is the data behind JSON, and behind any page made from it. Its `schema` names the form; what is added
+//! later keeps the names that are there, and raises the number after the dot.
+
+mod data;
+mod dot;
+mod text;
+
+pub use data::{
+    BarrierReport, CulledReport, HeapReport, MemoryReport, PlacementReport, Report, SCHEMA, StepReport, UseReport,
+};
+pub use dot::dot;
+pub use text::text;

@@ -1,0 +1,81 @@
+//! Devices that do not exist.
+
+use ash::vk;
+use shadowgraph::graph::description::{Queue, Shape};
+use shadowgraph::graph::plan::{DeviceModel, Requirements, Usage};
+
+/// A device with chosen queue families and rules of memory.
+#[derive(Clone, Debug)]
+pub struct MadeUpDevice {
+    /// Families of graphics, compute and transfer queues.
+    pub families: [Option<u32>; 3],
+    /// `bufferImageGranularity`.
+    pub granularity: u64,
+    /// Alignment of images.
+    pub image_alignment: u64,
+    /// Alignment of buffers.
+    pub buffer_alignment: u64,
+    /// Memory types of colour images, of depth images, and of buffers.
+    pub type_bits: [u32; 3],
+    /// Image usages that are not allowed, by format.
+    pub forbidden: Vec<(vk::Format, vk::ImageUsageFlags)>,
+}
+
+impl MadeUpDevice {
+    /// One queue and one kind of memory, like a software driver.
+    pub fn one_queue() -> Self {
+        Self {
+            families: [Some(0), None, None],
+            granularity: 1,
+            image_alignment: 256,
+            buffer_alignment: 16,
+            type_bits: [1; 3],
+            forbidden: Vec::new(),
+        }
+    }
+
+    /// Graphics and asynchronous compute.
+    pub fn two_queues() -> Self {
+        Self { families: [Some(0), Some(1), None], ..Self::one_queue() }
+    }
+
+    /// Graphics, asynchronous compute and transfer.
+    pub fn three_queues() -> Self {
+        Self { families: [Some(0), Some(2), Some(1)], ..Self::one_queue() }
+    }
+}
+
+impl DeviceModel for MadeUpDevice {
+    fn family(&self, queue: Queue) -> Option<u32> {
+        self.families[queue as usize]
+    }
+
+    /// Four bytes a texel, all mips as large as the first.
+    fn requirements(&self, shape: &Shape, _usage: Usage) -> Requirements {
+        match shape {
+            Shape::Image(shape) => {
+                let [width, height, depth] = shape.extent;
+                let texels = u64::from(width) * u64::from(height) * u64::from(depth);
+                let depth = !shape.aspects().contains(vk::ImageAspectFlags::COLOR);
+                Requirements {
+                    size: texels * 4 * u64::from(shape.layers) * u64::from(shape.mips) * u64::from(shape.samples),
+                    alignment: self.image_alignment,
+                    type_bits: self.type_bits[usize::from(depth)],
+                }
+            }
+            Shape::Buffer { size } => {
+                Requirements { size: *size, alignment: self.buffer_alignment, type_bits: self.type_bits[2] }
+            }
+        }
+    }
+
+    fn granularity(&self) -> u64 {
+        self.granularity
+    }
+
+    fn image_usages(&self, format: vk::Format) -> vk::ImageUsageFlags {
+        let all = vk::ImageUsageFlags::from_raw(!0);
+        let forbidden = self.forbidden.iter().filter(|(other, _)| *other == format);
+        forbidden.fold(all, |all, (_, usage)| all & !*usage)
+    }
+}

@@ -1,0 +1,410 @@
+//! Random descriptions that are right: subresources, splits, forks, joins, imports, roots, several queues.
+
+use ash::vk::{self, ImageAspectFlags as Aspects, PipelineStageFlags2 as Stages};
+use proptest::prelude::*;
+use shadowgraph::graph::ImageShape;
+use shadowgraph::graph::description::{Access, Description, Origin, Queue, Range, Shape, Source, VersionId};
+
+use super::{Draft, MadeUpDevice};
+
+/// Choices from which a description and a device are made. Every value makes a valid one, so shrinking stays valid.
+#[derive(Clone, Debug)]
+pub struct Recipe {
+    /// Queue families: 1 to 3; 4 is two queues of one family.
+    pub queues: u8,
+    /// Alignments, granularity, memory types.
+    pub memory: u8,
+    /// A resource each.
+    pub resources: Vec<[u8; 4]>,
+    /// A pass each, with choices for its uses.
+    pub passes: Vec<(u8, Vec<[u8; 5]>)>,
+    /// Roots.
+    pub roots: Vec<[u8; 2]>,
+}
+
+/// Recipes with up to so many passes.
+pub fn recipes(passes: usize) -> impl Strategy<Value = Recipe> {
+    let resource = any::<[u8; 4]>();
+    let pass = (any::<u8>(), prop::collection::vec(any::<[u8; 5]>(), 1..5));
+    (
+        any::<u8>(),
+        any::<u8>(),
+        prop::collection::vec(resource, 1..(4 + passes / 3)),
+        prop::collection::vec(pass, 1..=passes),
+        prop::collection::vec(any::<[u8; 2]>(), 1..5),
+    )
+        .prop_map(|(queues, memory, resources, passes, roots)| Recipe {
+            queues: queues % 5,
+            memory,
+            resources,
+            passes,
+            roots,
+        })
+}
+
+/// The parts of a resource that can be written, with the versions that can.
+struct Parts {
+    heads: Vec<VersionId>,
+    shape: Shape,
+}
+
+struct Maker {
+    draft: Draft,
+    parts: Vec<Parts>,
+    /// Versions that hold something, for late reads and for roots.
+    written: Vec<VersionId>,
+    passes: usize,
+}
+
+impl Recipe {
+    /// The device.
+    pub fn device(&self) -> MadeUpDevice {
+        let families = match self.queues {
+            0 | 1 => [Some(0), None, None],
+            2 => [Some(0), Some(1), None],
+            3 => [Some(0), Some(1), Some(2)],
+            _ => [Some(0), Some(0), None],
+        };
+        MadeUpDevice {
+            families,
+            granularity: [1, 64, 1024, 4096][usize::from(self.memory & 3)],
+            image_alignment: [16, 256, 4096, 65536][usize::from(self.memory >> 2 & 3)],
+            buffer_alignment: [1, 16, 256, 64][usize::from(self.memory >> 4 & 3)],
+            type_bits: [[1, 1, 1], [3, 1, 3], [2, 1, 6], [7, 5, 4]][usize::from(self.memory >> 6 & 3)],
+            forbidden: Vec::new(),
+        }
+    }
+
+    /// The description.
+    pub fn description(&self) -> Description {
+        let (parts, written) = (Vec::new(), Vec::new());
+        let mut maker = Maker { draft: Draft::new("random"), parts, written, passes: 0 };
+        self.resources.iter().for_each(|choices| maker.resource(*choices));
+        for (kind, uses) in &self.passes {
+            match kind % 16 {
+                0..=9 => maker.pass(*kind, uses),
+                10 | 11 => maker.split(uses[0]),
+                12 => maker.join(uses[0]),
+                13 => maker.forks(uses),
+                14 => maker.late_read(uses[0]),
+                _ => maker.side_effect(uses[0]),
+            }
+        }
+        maker.roots(&self.roots);
+        maker.draft.description
+    }
+}
+
+const QUEUES: [Queue; 4] = [Queue::Graphics, Queue::Graphics, Queue::Compute, Queue::Transfer];
+
+impl Maker {
+    fn resource(&mut self, [kind, size, cut, import]: [u8; 4]) {
+        let format = match kind % 8 {
+            0 | 1 => Some(vk::Format::R8G8B8A8_UNORM),
+            2 => Some(vk::Format::R32_UINT),
+            3 => Some(vk::Format::D32_SFLOAT),
+            4 => Some(vk::Format::D32_SFLOAT_S8_UINT),
+            _ => None,
+        };
+        let shape = match format {
+            Some(format) => {
+                let extent = [8 << (size % 4), 8 << (size / 4 % 3), 1];
+                let (mips, layers) = (1 + u32::from(cut % 3), 1 + u32::from(cut / 3 % 3));
+                Shape::Image(ImageShape { format, extent, mips, layers, samples: 1 })
+            }
+            None => Shape::Buffer { size: 16 + 64 * u64::from(size) },
+        };
+        let is_image = matches!(shape, Shape::Image(_));
+        let state = |choice: u8| match (choice % 4, is_image) {
+            (0, true) => Access::storage_image_read_write(Stages::COMPUTE_SHADER),
+            (1, true) => Access::sampled(Stages::FRAGMENT_SHADER),
+            (2, true) => Access::transfer_write(),
+            (0, false) => Access::storage_buffer_read_write(Stages::COMPUTE_SHADER),
+            (1, false) => Access::uniform(Stages::VERTEX_SHADER),
+            (2, false) => Access::transfer_write(),
+            _ => Access::NONE,
+        };
+        let origin = match import % 4 {
+            0 => {
+                let after = Some(state(import >> 4)).filter(|after| import & 64 != 0 && *after != Access::NONE);
+                Origin::Imported { before: state(import >> 2), after }
+            }
+            _ => Origin::Transient,
+        };
+        let holds = matches!(origin, Origin::Imported { before, .. } if before.has_contents(&shape));
+        let name = format!("r{}", self.draft.description.resources.len());
+        let first = self.draft.resource(&name, shape.clone(), origin);
+        if holds {
+            self.written.push(first);
+        }
+        self.parts.push(Parts { heads: vec![first], shape });
+    }
+
+    fn name(&mut self) -> String {
+        self.passes += 1;
+        format!("p{}", self.passes)
+    }
+
+    fn head(&self, resource: u8, part: u8) -> (usize, usize) {
+        let index = usize::from(resource) % self.parts.len();
+        (index, usize::from(part) % self.parts[index].heads.len())
+    }
+
+    /// An ordinary pass: each use reads or writes a head of a resource that it does not use yet.
+    fn pass(&mut self, kind: u8, uses: &[[u8; 5]]) {
+        let queue = QUEUES[usize::from(kind >> 4) % 4];
+        let name = self.name();
+        let mut used: Vec<(usize, usize)> = Vec::new();
+        let mut planned = Vec::new();
+        for &[resource, part, access, mode, _] in uses {
+            let place = self.head(resource, part);
+            if used.contains(&place) {
+                continue;
+            }
+            let version = self.parts[place.0].heads[place.1];
+            let holds = self.written.contains(&version);
+            let shape = &self.parts[place.0].shape;
+            let range = self.draft.description.versions[version.0 as usize].range;
+            let mode = if holds { mode % 3 } else { 2 };
+            let choices = accesses(shape, &range, queue, mode > 0);
+            if choices.is_empty() {
+                continue;
+            }
+            used.push(place);
+            planned.push((place, version, mode, choices[usize::from(access) % choices.len()]));
+        }
+        if planned.is_empty() {
+            return;
+        }
+        let made: Vec<_> = self.draft.pass(&name, queue, |pass| {
+            let uses = planned.into_iter().enumerate();
+            let made = uses.filter_map(|(slot, (place, version, mode, access))| {
+                let slot = format!("s{slot}");
+                match mode {
+                    0 => {
+                        pass.read(&slot, version, access);
+                        None
+                    }
+                    1 => Some((place, pass.write(&slot, version, access))),
+                    _ => Some((place, pass.overwrite(&slot, version, access))),
+                }
+            });
+            made.collect()
+        });
+        for ((resource, part), version) in made {
+            self.parts[resource].heads[part] = version;
+            self.written.push(version);
+        }
+    }
+
+    /// Takes a head apart.
+    fn split(&mut self, [resource, part, way, at, _]: [u8; 5]) {
+        let (resource, part) = self.head(resource, part);
+        let head = self.parts[resource].heads[part];
+        let halves = halves(self.draft.description.versions[head.0 as usize].range, way, at);
+        if halves.len() < 2 {
+            return;
+        }
+        let holds = self.written.contains(&head);
+        let parts: Vec<_> = halves.into_iter().map(|range| self.draft.split(head, range)).collect();
+        if holds {
+            self.written.extend(&parts);
+        }
+        self.parts[resource].heads.splice(part..=part, parts);
+    }
+
+    /// Puts all heads of a resource together.
+    fn join(&mut self, [resource, ..]: [u8; 5]) {
+        let (resource, _) = self.head(resource, 0);
+        let heads = self.parts[resource].heads.clone();
+        if heads.len() < 2 {
+            return;
+        }
+        let joined = self.draft.join(&heads);
+        if heads.iter().all(|head| self.written.contains(head)) {
+            self.written.push(joined);
+        }
+        self.parts[resource].heads = vec![joined];
+    }
+
+    /// Unordered writers of a head, and their join.
+    fn forks(&mut self, uses: &[[u8; 5]]) {
+        let [resource, part, queues, _, _] = uses[0];
+        let (resource, part) = self.head(resource, part);
+        let head = self.parts[resource].heads[part];
+        let range = self.draft.description.versions[head.0 as usize].range;
+        let image = matches!(range, Range::Image { .. });
+        if let Range::Image { aspects, .. } = range
+            && aspects != Aspects::COLOR
+        {
+            return;
+        }
+        let forks = self.draft.fork(head, uses.len());
+        let holds = self.written.contains(&head);
+        let mut made = Vec::new();
+        for (index, fork) in forks.into_iter().enumerate() {
+            let compute = queues >> index & 1 == 0;
+            let (queue, stages) = match compute {
+                true => (Queue::Compute, Stages::COMPUTE_SHADER),
+                false => (Queue::Graphics, Stages::FRAGMENT_SHADER),
+            };
+            let access = match image {
+                true => Access::storage_image_read_write(stages),
+                false => Access::storage_buffer_read_write(stages),
+            };
+            let name = self.name();
+            made.push(self.draft.pass(&name, queue, |pass| match holds {
+                true => pass.write("append", fork, access),
+                false => pass.overwrite("append", fork, access),
+            }));
+        }
+        let joined = self.draft.join(&made);
+        self.parts[resource].heads[part] = joined;
+        self.written.push(joined);
+    }
+
+    /// A pass recorded late that reads an old version, and so must run before those that wrote over it.
+    fn late_read(&mut self, [which, access, queue, size, _]: [u8; 5]) {
+        if self.written.is_empty() {
+            return;
+        }
+        let version = self.written[usize::from(which) % self.written.len()];
+        let known = &self.draft.description.versions[version.0 as usize];
+        // A join of old and new parts may never be there all at once.
+        if matches!(known.source, Source::Join { .. }) {
+            return;
+        }
+        let queue = QUEUES[usize::from(queue) % 4];
+        let shape = self.draft.description.resources[known.resource.0 as usize].shape.clone();
+        let choices = accesses(&shape, &known.range, queue, false);
+        if choices.is_empty() {
+            return;
+        }
+        let access = choices[usize::from(access) % choices.len()];
+        let buffer = self.draft.buffer(&format!("late{}", self.passes), 16 + u64::from(size));
+        let name = self.name();
+        let made = self.draft.pass(&name, queue, |pass| {
+            pass.read("old", version, access);
+            pass.overwrite("new", buffer, Access::transfer_write())
+        });
+        self.written.push(made);
+        let shape = Shape::Buffer { size: 16 + u64::from(size) };
+        self.parts.push(Parts { heads: vec![made], shape });
+    }
+
+    fn side_effect(&mut self, [resource, part, access, queue, _]: [u8; 5]) {
+        let (resource, part) = self.head(resource, part);
+        let head = self.parts[resource].heads[part];
+        let range = self.draft.description.versions[head.0 as usize].range;
+        let queue = QUEUES[usize::from(queue) % 4];
+        let choices = accesses(&self.parts[resource].shape, &range, queue, false);
+        if choices.is_empty() || !self.written.contains(&head) {
+            return;
+        }
+        let access = choices[usize::from(access) % choices.len()];
+        let name = self.name();
+        self.draft.pass(&name, queue, |pass| pass.read("it", head, access));
+        if let Some(pass) = self.draft.description.passes.last_mut() {
+            pass.side_effect = Some("tells somebody".into());
+        }
+    }
+
+    /// Captures of any version, and heads that are kept.
+    fn roots(&mut self, roots: &[[u8; 2]]) {
+        for (index, &[which, keep]) in roots.iter().enumerate() {
+            let heads: Vec<VersionId> = self.parts.iter().flat_map(|parts| &parts.heads).copied().collect();
+            let kept: Vec<VersionId> = heads.into_iter().filter(|head| self.written.contains(head)).collect();
+            let name = format!("root{index}");
+            if keep % 4 == 0 && !kept.is_empty() {
+                self.draft.keep(&name, kept[usize::from(which) % kept.len()]);
+            } else if !self.written.is_empty() {
+                // Late versions more often, so that less is culled.
+                let back = usize::from(which) % self.written.len().min(8);
+                self.draft.capture(&name, self.written[self.written.len() - 1 - back]);
+            }
+        }
+    }
+}
+
+/// What a pass of a queue can do to a range.
+fn accesses(shape: &Shape, range: &Range, queue: Queue, writes: bool) -> Vec<Access> {
+    let (vertex, fragment, compute) = (Stages::VERTEX_SHADER, Stages::FRAGMENT_SHADER, Stages::COMPUTE_SHADER);
+    let color = matches!(range, Range::Image { aspects, .. } if *aspects == Aspects::COLOR);
+    let mut all = match (shape, writes) {
+        (Shape::Buffer { .. }, false) => vec![
+            Access::uniform(vertex),
+            Access::storage_buffer_read(fragment),
+            Access::storage_buffer_read(vertex | fragment),
+            Access::storage_buffer_read(compute),
+            Access::uniform(compute),
+            Access::vertex(),
+            Access::index(),
+            Access::indirect(),
+            Access::copy_read(),
+            Access::transfer_read(),
+        ],
+        (Shape::Buffer { .. }, true) => vec![
+            Access::storage_buffer_write(compute),
+            Access::storage_buffer_read_write(compute),
+            Access::storage_buffer_read_write(fragment),
+            Access::transfer_write(),
+            Access::clear(),
+        ],
+        (Shape::Image(_), false) => vec![
+            Access::sampled(fragment),
+            Access::sampled(vertex | fragment),
+            Access::sampled(compute),
+            Access::copy_read(),
+            Access::transfer_read(),
+        ],
+        (Shape::Image(_), true) => vec![Access::copy_write(), Access::clear()],
+    };
+    if matches!(shape, Shape::Image(_)) {
+        all.extend(match (color, writes) {
+            (true, false) => vec![Access::storage_image_read(compute), Access::storage_image_read(fragment)],
+            (true, true) => vec![
+                Access::color_attachment(false),
+                Access::color_attachment(true),
+                Access::storage_image_write(compute),
+                Access::storage_image_read_write(compute),
+                Access::blit_write(),
+            ],
+            (false, false) => vec![Access::depth_attachment_read()],
+            (false, true) => vec![Access::depth_attachment_write()],
+        });
+    }
+    let allowed = match queue {
+        Queue::Graphics => Stages::from_raw(u64::MAX),
+        Queue::Compute => compute | Stages::DRAW_INDIRECT | Stages::COPY | Stages::CLEAR | Stages::ALL_TRANSFER,
+        Queue::Transfer => Stages::COPY | Stages::CLEAR | Stages::ALL_TRANSFER,
+    };
+    all.retain(|access| allowed.contains(access.stages));
+    all
+}
+
+/// A range cut in two: by mips, layers or aspects, where it has several; a buffer by bytes.
+fn halves(range: Range, way: u8, at: u8) -> Vec<Range> {
+    match range {
+        Range::Buffer([first, end]) if end - first >= 8 => {
+            let middle = first + 4 + u64::from(at) * (end - first - 8) / 255;
+            vec![Range::Buffer([first, middle]), Range::Buffer([middle, end])]
+        }
+        Range::Image { aspects, mips: [m, mips], layers: [l, layers] } => {
+            let depth = Aspects::DEPTH | Aspects::STENCIL;
+            let cut = |first: u32, end: u32| first + 1 + u32::from(at) % (end - first - 1);
+            if aspects == depth && way % 3 == 0 {
+                let part = |aspects| Range::Image { aspects, mips: [m, mips], layers: [l, layers] };
+                vec![part(Aspects::DEPTH), part(Aspects::STENCIL)]
+            } else if mips - m > 1 && way % 2 == 0 {
+                let part = |mips| Range::Image { aspects, mips, layers: [l, layers] };
+                vec![part([m, cut(m, mips)]), part([cut(m, mips), mips])]
+            } else if layers - l > 1 {
+                let part = |layers| Range::Image { aspects, mips: [m, mips], layers };
+                vec![part([l, cut(l, layers)]), part([cut(l, layers), layers])]
+            } else {
+                Vec::new()
+            }
+        }
+        Range::Buffer(_) => Vec::new(),
+    }
+}

@@ -1,0 +1,513 @@
+//! Replays a plan, access by access.
+
+use ash::vk::{AccessFlags2 as Mask, ImageLayout as Layout, PipelineStageFlags2 as Stages};
+use shadowgraph::graph::description::{
+    Access, Description, Origin, Queue, Range, ResourceId, Shape, Use, Version, VersionId,
+};
+use shadowgraph::graph::plan::{Barriers, DeviceModel, Ownership, Plan, Work};
+
+use super::atoms::Atoms;
+use super::contents::{Contents, contents, forked_from};
+use super::memory;
+use super::record::{Kind, Record, Scopes, each, single};
+
+/// State of one part of a resource.
+#[derive(Clone, Debug)]
+struct Part {
+    records: Vec<Record>,
+    layout: Layout,
+    /// Queue family; nobody's until it is used.
+    owner: Option<u32>,
+    /// On its way to another family, with the layouts it goes from and to.
+    released: Option<(Ownership, Layout, Layout)>,
+    contents: Contents,
+}
+
+struct Replay<'a> {
+    description: &'a Description,
+    plan: &'a Plan,
+    device: &'a dyn DeviceModel,
+    atoms: Atoms,
+    parts: Vec<Part>,
+    sharers: Vec<Vec<ResourceId>>,
+    /// By root: the copy's record in host memory.
+    copies: Vec<Option<Record>>,
+    errors: Vec<String>,
+}
+
+/// Which memory a barrier is for: all, or a range of a resource, whose transition or transfer it may be.
+struct Effect {
+    scopes: Scopes,
+    atoms: Option<Vec<usize>>,
+    ownership: Option<Ownership>,
+    who: String,
+}
+
+/// Everything that is wrong with a plan for a description that is right.
+pub fn check(description: &Description, plan: &Plan, device: &dyn DeviceModel) -> Vec<String> {
+    let atoms = Atoms::new(description, plan);
+    let mut errors = Vec::new();
+    memory::placements(description, plan, device, &mut errors);
+    let mut replay = Replay {
+        sharers: memory::sharers(description, plan, device.granularity()),
+        parts: (0..atoms.len()).map(|atom| arrival(description, &atoms, device, atom)).collect(),
+        copies: vec![None; description.roots.len()],
+        description,
+        plan,
+        device,
+        atoms,
+        errors,
+    };
+    replay.completeness();
+    replay.batches();
+    replay.end();
+    replay.errors
+}
+
+/// The state before the frame.
+fn arrival(description: &Description, atoms: &Atoms, device: &dyn DeviceModel, atom: usize) -> Part {
+    let resource = &description.resources[atoms.resource(atom).0 as usize];
+    let mut part = Part {
+        records: Vec::new(),
+        layout: Layout::UNDEFINED,
+        owner: None,
+        released: None,
+        contents: Contents::Nothing,
+    };
+    if let Origin::Imported { before, .. } = &resource.origin {
+        let is_image = matches!(resource.shape, Shape::Image(_));
+        part.layout = if is_image { before.layout } else { Layout::UNDEFINED };
+        if !is_image || before.layout != Layout::UNDEFINED {
+            part.contents = Contents::Arrived;
+            part.owner = device.family(Queue::Graphics);
+        }
+        if before.writes().is_empty() && !before.stages.is_empty() {
+            part.records.push(Record::arrived(before));
+        }
+        let kind = if before.writes().is_empty() { Kind::Read } else { Kind::Write };
+        for stage in each(single(before.stages)) {
+            let mask = if kind == Kind::Read { before.mask } else { before.writes() };
+            part.records.push(Record::new(kind, "before the frame".into(), Queue::Graphics, 0, stage, mask));
+        }
+    }
+    part
+}
+
+impl Replay<'_> {
+    fn name(&self, resource: ResourceId) -> &str {
+        &self.description.resources[resource.0 as usize].name
+    }
+
+    fn family(&self, queue: Queue) -> Option<u32> {
+        self.device.family(queue).or(self.device.family(Queue::Graphics))
+    }
+
+    /// Every pass runs once or is culled, every read-back runs once, every step is in one batch, in order.
+    fn completeness(&mut self) {
+        let mut expected: Vec<Work> = (0..self.description.passes.len() as u32)
+            .map(shadowgraph::graph::description::PassId)
+            .filter(|pass| !self.plan.culled.iter().any(|(culled, _)| culled == pass))
+            .map(Work::Pass)
+            .collect();
+        let roots = self.description.roots.iter().enumerate();
+        expected.extend(roots.filter(|(_, root)| root.read_back).map(|(index, _)| Work::ReadBack(index)));
+        let mut found: Vec<Work> = self.plan.steps.iter().map(|step| step.work).collect();
+        found.sort_unstable();
+        if found != expected {
+            self.errors.push(format!("steps are {found:?}, expected {expected:?}"));
+        }
+        let mut steps: Vec<usize> = self.plan.batches.iter().flat_map(|batch| batch.steps.clone()).collect();
+        steps.sort_unstable();
+        if steps != (0..self.plan.steps.len()).collect::<Vec<_>>() {
+            self.errors.push(format!("batches hold steps {steps:?}"));
+        }
+        if self.plan.batches.last().is_none_or(|batch| batch.queue != Queue::Graphics) {
+            self.errors.push("the last batch is not on graphics".into());
+        }
+    }
+
+    fn batches(&mut self) {
+        let plan = self.plan;
+        let mut signalled = [0; 3];
+        for batch in &plan.batches {
+            for wait in &batch.waits {
+                if wait.value > signalled[wait.queue as usize] || wait.queue == batch.queue {
+                    self.errors.push(format!("{wait:?} of a batch waits for what is not submitted before"));
+                }
+                let parts = self.parts.iter_mut().flat_map(|part| &mut part.records);
+                for record in parts.chain(self.copies.iter_mut().flatten()) {
+                    record.wait(batch.queue, batch.signal, wait.queue, wait.value, wait.stages);
+                }
+            }
+            let mut last = None;
+            for &step in &batch.steps {
+                if plan.steps[step].queue != batch.queue || last > Some(step) {
+                    self.errors.push(format!("step {step} does not belong into its batch"));
+                }
+                last = Some(step);
+                self.barriers(&plan.steps[step].barriers, batch.queue, batch.signal);
+                self.step(step, batch.queue, batch.signal);
+            }
+            self.barriers(&batch.release, batch.queue, batch.signal);
+            signalled[batch.queue as usize] += 1;
+            if signalled[batch.queue as usize] != batch.signal {
+                self.errors.push(format!("a batch signals {}", batch.signal));
+            }
+        }
+        if let Some(last) = plan.batches.last() {
+            self.barriers(&plan.finally, last.queue, last.signal);
+        }
+    }
+
+    /// One `vkCmdPipelineBarrier2`.
+    fn barriers(&mut self, barriers: &Barriers, queue: Queue, batch: u64) {
+        let scopes = |from, to| Scopes { queue, batch, from, to };
+        let mut effects = Vec::new();
+        for barrier in &barriers.memory {
+            let who = format!("barrier {:?}", barrier.reason.hazard);
+            effects.push(Effect { scopes: scopes(barrier.from, barrier.to), atoms: None, ownership: None, who });
+        }
+        for barrier in &barriers.buffers {
+            let atoms = self.atoms.of(barrier.resource, &barrier.range);
+            let who = format!("barrier of `{}`", self.name(barrier.resource));
+            let (scopes, ownership) = (scopes(barrier.from, barrier.to), barrier.ownership);
+            effects.push(Effect { scopes, atoms: Some(atoms), ownership, who });
+        }
+        let images = effects.len();
+        for barrier in &barriers.images {
+            let atoms = self.atoms.of(barrier.resource, &barrier.range);
+            let who = format!("barrier of `{}`", self.name(barrier.resource));
+            let (scopes, ownership) = (scopes(barrier.from, barrier.to), barrier.ownership);
+            effects.push(Effect { scopes, atoms: Some(atoms), ownership, who });
+        }
+
+        // Who is in which first scope is judged by what was before the call.
+        let before: Vec<Vec<Record>> = self.parts.iter().map(|part| part.records.clone()).collect();
+        let copies = self.copies.clone();
+        let hits = |effect: &Effect, atom: usize| effect.atoms.as_ref().is_none_or(|atoms| atoms.contains(&atom));
+        for (atom, part) in self.parts.iter_mut().enumerate() {
+            for (record, old) in part.records.iter_mut().zip(&before[atom]) {
+                apply(record, old, effects.iter().filter(|effect| hits(effect, atom)), &effects);
+            }
+        }
+        for (copy, old) in self.copies.iter_mut().zip(&copies) {
+            if let (Some(record), Some(old)) = (copy, old) {
+                apply(record, old, effects.iter().filter(|effect| effect.atoms.is_none()), &effects);
+            }
+        }
+        for (index, effect) in effects.iter().enumerate() {
+            let is_image = index >= images;
+            for &atom in effect.atoms.iter().flatten() {
+                let [from, to] = [effect.scopes.from.layout, effect.scopes.to.layout];
+                if effect.ownership.is_some() || (is_image && from != to) {
+                    self.transition(effect, atom, is_image, &before);
+                }
+            }
+        }
+    }
+
+    /// A layout transition, or half of an ownership transfer.
+    fn transition(&mut self, effect: &Effect, atom: usize, is_image: bool, before: &[Vec<Record>]) {
+        let Effect { scopes, who, .. } = effect;
+        let [from, to] = [scopes.from.layout, scopes.to.layout];
+        let resource = self.atoms.resource(atom);
+        let family = self.family(scopes.queue);
+        let discards = is_image && from == Layout::UNDEFINED;
+        let mut wrong = Vec::new();
+        for other in std::iter::once(atom).chain(self.shared(resource)) {
+            for (record, old) in self.parts[other].records.iter().zip(&before[other]) {
+                if !old.in_first_scope(scopes) {
+                    wrong.push(format!("{who} does not wait for {} of {}", kind(record), record.who));
+                } else if record.writes() && !record.available {
+                    wrong.push(format!("{who} comes before what {} wrote is available", record.who));
+                }
+            }
+        }
+        let part = &mut self.parts[atom];
+        match effect.ownership {
+            Some(ownership) if Some(ownership.from) == family => {
+                if part.owner != family || part.released.is_some() {
+                    wrong.push(format!("{who} gives away what {:?} owns", part.owner));
+                }
+                if part.layout != from {
+                    wrong.push(format!("{who} expects layout {from:?}, it is {:?}", part.layout));
+                }
+                part.released = Some((ownership, from, to));
+            }
+            Some(ownership) => {
+                if Some(ownership.to) != family || part.released.take() != Some((ownership, from, to)) {
+                    wrong.push(format!("{who} takes what was not given like that"));
+                }
+                part.owner = family;
+                part.layout = to;
+            }
+            None => {
+                if !discards && (part.owner.is_some_and(|owner| Some(owner) != family) || part.released.is_some()) {
+                    wrong.push(format!("{who} is on family {family:?}, the owner is {:?}", part.owner));
+                }
+                if !discards && part.layout != from {
+                    wrong.push(format!("{who} expects layout {from:?}, it is {:?}", part.layout));
+                }
+                part.owner = family;
+                part.released = None;
+                part.layout = to;
+                if discards {
+                    part.contents = Contents::Nothing;
+                }
+            }
+        }
+        part.records = vec![Record::transition(who.clone(), scopes)];
+        self.errors.extend(wrong);
+        self.clobber(resource);
+    }
+
+    /// Parts of resources that share memory with one.
+    fn shared(&self, resource: ResourceId) -> impl Iterator<Item = usize> {
+        self.sharers[resource.0 as usize].iter().flat_map(|&other| self.atoms.all(other))
+    }
+
+    /// Others lose what they held in memory that was written.
+    fn clobber(&mut self, resource: ResourceId) {
+        for atom in self.shared(resource).collect::<Vec<_>>() {
+            let part = &mut self.parts[atom];
+            part.contents = Contents::Nothing;
+            part.layout = Layout::UNDEFINED;
+            part.owner = None;
+            part.released = None;
+        }
+    }
+
+    fn step(&mut self, step: usize, queue: Queue, batch: u64) {
+        let description = self.description;
+        match self.plan.steps[step].work {
+            Work::Pass(pass) => {
+                let pass = &description.passes[pass.0 as usize];
+                let who = format!("pass `{}`", pass.name);
+                for used in &pass.uses {
+                    self.hold_against(used, &who, queue);
+                }
+                for used in &pass.uses {
+                    self.leave(used, &who, queue, batch);
+                }
+            }
+            Work::ReadBack(root) => {
+                let version = description.roots[root].version;
+                let used = Use {
+                    slot: String::new(),
+                    version,
+                    makes: None,
+                    reads: true,
+                    access: Access {
+                        stages: Stages::COPY,
+                        mask: Mask::TRANSFER_READ,
+                        layout: Layout::TRANSFER_SRC_OPTIMAL,
+                    },
+                };
+                let who = format!("read-back of `{}`", description.roots[root].name);
+                self.hold_against(&used, &who, queue);
+                self.leave(&used, &who, queue, batch);
+                let stage = Stages::COPY.as_raw();
+                let copy = Record::new(Kind::Write, who, queue, batch, stage, Mask::TRANSFER_WRITE);
+                self.copies[root] = Some(copy);
+            }
+        }
+    }
+
+    /// Holds one use against what its memory has seen.
+    fn hold_against(&mut self, used: &Use, who: &str, queue: Queue) {
+        let Version { resource, range, .. } = self.description.versions[used.version.0 as usize];
+        let name = self.name(resource).to_owned();
+        let fork = used.makes.and_then(|made| forked_from(self.description, made));
+        let family = self.family(queue);
+        let is_image = matches!(range, Range::Image { .. });
+        let reads = used.reads || used.makes.is_none();
+        for atom in self.atoms.of(resource, &range) {
+            let part = &self.parts[atom];
+            let mut wrong = Vec::new();
+            if is_image && part.layout != used.access.layout {
+                wrong.push(format!("is in layout {:?}, needs {:?}", part.layout, used.access.layout));
+            }
+            let owned = part.owner.is_none_or(|owner| Some(owner) == family) && part.released.is_none();
+            if (reads || is_image) && !owned {
+                wrong.push(format!("belongs to family {:?}", part.owner));
+            }
+            if reads && !self.holds(part, used.version, atom, fork) {
+                wrong.push(format!("holds {:?}, not version {}", part.contents, used.version.0));
+            }
+            let read = part.records.iter().any(|record| record.kind == Kind::Read);
+            for stage in each(single(used.access.stages)) {
+                let records = part.records.iter();
+                wrong.extend(records.filter_map(|record| conflict(record, used, fork, queue, stage, read)));
+                for other in self.shared(resource) {
+                    let records = self.parts[other].records.iter();
+                    wrong.extend(records.filter_map(|record| foreign_conflict(record, used, queue, stage)));
+                }
+            }
+            self.errors.extend(wrong.into_iter().map(|what| format!("{who}: `{name}` {what}")));
+        }
+    }
+
+    /// Whether a part holds what a version says. Unordered writers may see each other's writes.
+    fn holds(&self, part: &Part, version: VersionId, atom: usize, fork: Option<VersionId>) -> bool {
+        if part.contents == contents(self.description, &self.atoms, version, atom) {
+            return part.contents != Contents::Nothing;
+        }
+        match &part.contents {
+            Contents::Written(made) => {
+                fork.is_some() && made.iter().all(|&made| forked_from(self.description, made) == fork)
+            }
+            _ => false,
+        }
+    }
+
+    /// Leaves the records of one use.
+    fn leave(&mut self, used: &Use, who: &str, queue: Queue, batch: u64) {
+        let Version { resource, range, .. } = self.description.versions[used.version.0 as usize];
+        let family = self.family(queue);
+        let fork = used.makes.and_then(|made| forked_from(self.description, made));
+        for atom in self.atoms.of(resource, &range) {
+            let part = &mut self.parts[atom];
+            part.owner =
+                part.owner.filter(|_| part.released.is_none()).filter(|owner| Some(*owner) == family).or(family);
+            part.released = None;
+            let (kind, mask) = match used.makes {
+                Some(_) => (Kind::Write, used.access.writes()),
+                None => (Kind::Read, used.access.mask),
+            };
+            if let Some(made) = used.makes {
+                match (&mut part.contents, fork) {
+                    (Contents::Written(known), Some(_))
+                        if known.iter().all(|&other| forked_from(self.description, other) == fork) =>
+                    {
+                        known.insert(made);
+                    }
+                    (contents, _) => *contents = Contents::Written([made].into()),
+                }
+                if fork.is_none() {
+                    // Whatever comes behind this write comes behind what was before it.
+                    part.records.clear();
+                }
+            }
+            for stage in each(single(used.access.stages)) {
+                let mut record = Record::new(kind, who.into(), queue, batch, stage, mask);
+                record.fork = fork;
+                part.records.push(record);
+            }
+        }
+        if used.makes.is_some() {
+            self.clobber(resource);
+        }
+    }
+
+    /// The state after the frame.
+    fn end(&mut self) {
+        let description = self.description;
+        let mut wrong = Vec::new();
+        for (index, resource) in description.resources.iter().enumerate() {
+            let Origin::Imported { after, .. } = resource.origin else { continue };
+            let name = &resource.name;
+            for part in self.atoms.all(ResourceId(index as u32)).map(|atom| &self.parts[atom]) {
+                if part.released.is_some() || part.owner.is_some_and(|o| Some(o) != self.device.family(Queue::Graphics))
+                {
+                    wrong.push(format!("`{name}` is not given back to graphics"));
+                }
+                let Some(after) = after else { continue };
+                if matches!(resource.shape, Shape::Image(_)) && part.layout != after.layout {
+                    wrong.push(format!("`{name}` is left in layout {:?}, not {:?}", part.layout, after.layout));
+                }
+                let used = Use { slot: String::new(), version: VersionId(0), makes: None, reads: true, access: after };
+                for stage in each(single(after.stages)) {
+                    let records = part.records.iter();
+                    let what = records.filter_map(|record| conflict(record, &used, None, Queue::Graphics, stage, true));
+                    wrong.extend(what.map(|what| format!("`{name}` after the frame: {what}")));
+                }
+            }
+        }
+        for root in description.roots.iter().filter(|root| !root.read_back) {
+            let Version { resource, range, .. } = description.versions[root.version.0 as usize];
+            for atom in self.atoms.of(resource, &range) {
+                if !self.holds(&self.parts[atom], root.version, atom, None) {
+                    wrong.push(format!("root `{}` is gone: {:?}", root.name, self.parts[atom].contents));
+                }
+            }
+        }
+        for copy in self.copies.iter().flatten() {
+            if !copy.is_before(Queue::Graphics, Stages::HOST.as_raw())
+                || !copy.is_visible(Queue::Graphics, Stages::HOST.as_raw(), Mask::HOST_READ)
+            {
+                wrong.push(format!("{} is not visible to the host", copy.who));
+            }
+        }
+        for record in self.parts.iter().flat_map(|part| &part.records) {
+            if !record.is_known(Queue::Graphics) {
+                wrong.push(format!("the frame ends before {} does", record.who));
+            }
+        }
+        self.errors.extend(wrong);
+    }
+}
+
+/// What one barrier call does to a record: ordering by all of its barriers, memory by those for its memory.
+fn apply<'a>(record: &mut Record, old: &Record, memory: impl Iterator<Item = &'a Effect> + Clone, all: &[Effect]) {
+    let inside = |effect: &&Effect| old.in_first_scope(&effect.scopes);
+    for effect in all.iter().filter(inside) {
+        record.second_scope(&effect.scopes);
+    }
+    if record.writes() {
+        let memory: Vec<_> = memory.filter(inside).collect();
+        record.available |= memory.iter().any(|effect| old.in_first_access_scope(&effect.scopes));
+        if record.available {
+            memory.iter().for_each(|effect| record.second_access_scope(&effect.scopes));
+        }
+    }
+}
+
+/// Why a use may not follow a record of the same memory. `read`: somebody read it since it was written, which made the
+/// write available; else a write asks for a memory dependency of its own.
+fn conflict(
+    record: &Record,
+    used: &Use,
+    fork: Option<VersionId>,
+    queue: Queue,
+    stage: u64,
+    read: bool,
+) -> Option<String> {
+    if record.fork.is_some() && record.fork == fork {
+        return None;
+    }
+    let writes = !used.access.writes().is_empty();
+    if (record.writes() || writes) && !record.is_before(queue, stage) {
+        return Some(format!("does not wait for {} of {}", kind(record), record.who));
+    }
+    if record.writes() && writes && !record.available {
+        return Some(format!("is written before what {} wrote is available", record.who));
+    }
+    let reads = if used.reads || used.makes.is_none() { used.access.reads() } else { Mask::NONE };
+    let needed = reads | if read { Mask::NONE } else { used.access.writes() };
+    let unseen = each(needed.as_raw()).find(|&bit| !record.is_visible(queue, stage, Mask::from_raw(bit)));
+    match unseen.filter(|_| record.writes()) {
+        Some(bit) => Some(format!("does not see what {} wrote ({:?})", record.who, Mask::from_raw(bit))),
+        None => None,
+    }
+}
+
+/// Why a use may not follow a record of another resource in the same memory.
+fn foreign_conflict(record: &Record, used: &Use, queue: Queue, stage: u64) -> Option<String> {
+    if record.writes() || !used.access.writes().is_empty() {
+        if !record.is_before(queue, stage) {
+            return Some(format!("shares memory, and does not wait for {} of {}", kind(record), record.who));
+        }
+        if record.writes() && !record.available {
+            return Some(format!("shares memory, and comes before what {} wrote is available", record.who));
+        }
+    }
+    None
+}
+
+fn kind(record: &Record) -> &'static str {
+    match record.kind {
+        Kind::Read => "the read",
+        Kind::Write => "the write",
+        Kind::Transition => "the transition",
+    }
+}

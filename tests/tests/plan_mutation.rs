@@ -1,0 +1,235 @@
+//! The hazard checker must be able to fail: barriers, bits of barriers, waits and placements are taken away or moved,
+//! and it has to notice. What it does not notice was not needed: that measures how minimal plans are.
+#![allow(clippy::unwrap_used)]
+
+use std::collections::BTreeMap;
+
+use ash::vk::{AccessFlags2 as Mask, PipelineStageFlags2 as Stages};
+use proptest::strategy::{Strategy, ValueTree};
+use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+use shadowgraph::graph::description::{Access, Description};
+use shadowgraph::graph::plan::{Barriers, Hazard, Plan, Reason, plan};
+use shadowgraph_tests::hazard::{MadeUpDevice, check, recipes};
+
+/// The same graphs in every run.
+fn graphs(count: usize, passes: usize) -> Vec<(Description, MadeUpDevice, Plan)> {
+    let rng = TestRng::from_seed(RngAlgorithm::ChaCha, &[7; 32]);
+    let mut runner = TestRunner::new_with_rng(Config::default(), rng);
+    let recipes = recipes(passes);
+    let mut graph = || {
+        let recipe = recipes.new_tree(&mut runner).unwrap().current();
+        let (description, device) = (recipe.description(), recipe.device());
+        let plan = plan(&description, &device).unwrap();
+        (description, device, plan)
+    };
+    (0..count).map(|_| graph()).collect()
+}
+
+fn long() -> bool {
+    std::env::var_os("SHADOWGRAPH_LONG").is_some_and(|value| value != "0")
+}
+
+/// Every place of a plan that holds barriers.
+fn places(plan: &mut Plan) -> Vec<&mut Barriers> {
+    let steps = plan.steps.iter_mut().map(|step| &mut step.barriers);
+    let releases = plan.batches.iter_mut().map(|batch| &mut batch.release);
+    steps.chain(releases).chain([&mut plan.finally]).collect()
+}
+
+/// Scopes and reason of the barrier of this number in a place.
+fn barrier(barriers: &mut Barriers, index: usize) -> (&mut Access, &mut Access, Reason) {
+    let images = barriers.images.iter_mut().map(|b| (&mut b.from, &mut b.to, b.reason));
+    let buffers = barriers.buffers.iter_mut().map(|b| (&mut b.from, &mut b.to, b.reason));
+    let memory = barriers.memory.iter_mut().map(|b| (&mut b.from, &mut b.to, b.reason));
+    images.chain(buffers).chain(memory).nth(index).unwrap()
+}
+
+fn remove(barriers: &mut Barriers, index: usize) {
+    let (images, buffers) = (barriers.images.len(), barriers.buffers.len());
+    if index < images {
+        barriers.images.remove(index);
+    } else if index < images + buffers {
+        barriers.buffers.remove(index - images);
+    } else {
+        barriers.memory.remove(index - images - buffers);
+    }
+}
+
+/// Every barrier of a plan, by place and number.
+fn all(plan: &Plan) -> Vec<(usize, usize)> {
+    let counts: Vec<usize> = places(&mut plan.clone()).iter().map(|barriers| barriers.len()).collect();
+    counts.iter().enumerate().flat_map(|(place, &count)| (0..count).map(move |index| (place, index))).collect()
+}
+
+/// Name of a rule.
+fn rule(hazard: Hazard) -> &'static str {
+    match hazard {
+        Hazard::ReadAfterWrite => "read after write",
+        Hazard::WriteAfterRead => "write after read",
+        Hazard::WriteAfterWrite => "write after write",
+        Hazard::Layout => "layout",
+        Hazard::First => "first use",
+        Hazard::Alias { .. } => "alias",
+        Hazard::Ownership => "ownership",
+        Hazard::Final => "final state",
+        Hazard::Host => "host",
+    }
+}
+
+#[test]
+fn every_rule_switched_off_is_noticed() {
+    let mut counts: BTreeMap<&str, [usize; 2]> = BTreeMap::new();
+    for (description, device, planned) in graphs(400, 24) {
+        for name in ALL_RULES {
+            let mut plan = planned.clone();
+            let off = |reason: &Reason| rule(reason.hazard) == *name;
+            let mut dropped = 0;
+            for barriers in places(&mut plan) {
+                let before = barriers.len();
+                barriers.images.retain(|barrier| !off(&barrier.reason));
+                barriers.buffers.retain(|barrier| !off(&barrier.reason));
+                barriers.memory.retain(|barrier| !off(&barrier.reason));
+                dropped += before - barriers.len();
+            }
+            if dropped > 0 {
+                let count = counts.entry(name).or_default();
+                count[0] += 1;
+                count[1] += usize::from(!check(&description, &plan, &device).is_empty());
+            }
+        }
+    }
+    for name in ALL_RULES {
+        let [with, noticed] = counts.get(name).copied().unwrap_or_default();
+        println!("{name}: switched off in {with} graphs, noticed in {noticed}");
+        assert!(with > 10, "{name}: the graphs do not exercise it");
+        assert!(noticed * 100 >= with * 95, "{name}: noticed in {noticed} of {with} graphs");
+    }
+}
+
+const ALL_RULES: &[&str] = &[
+    "read after write",
+    "write after read",
+    "write after write",
+    "layout",
+    "first use",
+    "alias",
+    "ownership",
+    "final state",
+    "host",
+];
+
+#[test]
+fn waits_for_other_queues_are_needed() {
+    let (mut with, mut noticed) = (0, 0);
+    for (description, device, planned) in graphs(300, 24) {
+        for batch in 0..planned.batches.len() {
+            for wait in 0..planned.batches[batch].waits.len() {
+                let mut plan = planned.clone();
+                plan.batches[batch].waits.remove(wait);
+                with += 1;
+                noticed += usize::from(!check(&description, &plan, &device).is_empty());
+            }
+        }
+    }
+    println!("waits: {with} taken away, {noticed} noticed");
+    assert!(with > 100 && noticed * 100 >= with * 90, "{noticed} of {with}");
+}
+
+#[test]
+fn memory_moved_onto_other_memory_is_noticed() {
+    let (mut with, mut noticed) = (0, 0);
+    for (description, device, planned) in graphs(300, 24) {
+        for index in 1..planned.placements.len() {
+            let (one, other) = (planned.placements[index - 1], planned.placements[index]);
+            let alive_together = one.steps[0] <= other.steps[1] && other.steps[0] <= one.steps[1];
+            if one.heap == other.heap && alive_together && planned.is_single_queue() {
+                let mut plan = planned.clone();
+                plan.placements[index].offset = one.offset;
+                plan.heaps[one.heap].size += other.size + other.offset;
+                with += 1;
+                noticed += usize::from(!check(&description, &plan, &device).is_empty());
+            }
+        }
+    }
+    println!("placements: {with} moved, {noticed} noticed");
+    assert!(with > 50 && noticed == with, "{noticed} of {with}");
+}
+
+#[test]
+fn barriers_and_their_bits_are_needed() {
+    let count = if long() { 2_000 } else { 150 };
+    let (mut minimal, mut minimal_bits) = (0, 0);
+    let mut spare: BTreeMap<String, usize> = BTreeMap::new();
+    let mut barriers = 0;
+    for (description, device, planned) in graphs(count, 24) {
+        let needed = |plan: &Plan| !check(&description, plan, &device).is_empty();
+        let (mut whole, mut bits) = (true, true);
+        for (place, index) in all(&planned) {
+            barriers += 1;
+            let mut plan = planned.clone();
+            let reason = barrier(places(&mut plan)[place], index).2;
+            remove(places(&mut plan)[place], index);
+            if !needed(&plan) {
+                whole = false;
+                if std::env::var_os("SPARE").is_some_and(|v| v == rule(reason.hazard)) {
+                    println!(
+                        "SPARE {}\n{}",
+                        reason.explain(&description),
+                        shadowgraph::graph::report::text(&description, &planned)
+                    );
+                }
+                *spare.entry(format!("barrier, {}", rule(reason.hazard))).or_default() += 1;
+                continue;
+            }
+            for (side, kind, bit) in bits_of(&mut planned.clone(), place, index) {
+                let mut plan = planned.clone();
+                let places = places(&mut plan);
+                let (from, to, reason) = barrier(places.into_iter().nth(place).unwrap(), index);
+                let access = if side == "from" { from } else { to };
+                if kind == "stage" {
+                    access.stages &= !Stages::from_raw(bit);
+                } else {
+                    access.mask &= !Mask::from_raw(bit);
+                }
+                if !needed(&plan) {
+                    bits = false;
+                    if std::env::var_os("SPARE_BIT")
+                        .is_some_and(|v| v == *format!("{side} {kind}, {}", rule(reason.hazard)))
+                    {
+                        println!(
+                            "SPARE {bit:x} {}\n{}",
+                            reason.explain(&description),
+                            shadowgraph::graph::report::text(&description, &planned)
+                        );
+                    }
+                    *spare.entry(format!("{side} {kind}, {}", rule(reason.hazard))).or_default() += 1;
+                }
+            }
+        }
+        minimal += usize::from(whole);
+        minimal_bits += usize::from(whole && bits);
+    }
+    println!(
+        "{barriers} barriers in {count} graphs; no barrier to spare in {minimal}, no bit either in {minimal_bits}"
+    );
+    println!("to spare: {spare:?}");
+    assert!(minimal * 100 >= count * 95, "barriers to spare: {spare:?}");
+}
+
+/// Stages and accesses of a barrier, bit by bit. Left out is the access mask of a first transition, which is there for
+/// synchronisation validation only: that judges a transition by its own barrier.
+fn bits_of(plan: &mut Plan, place: usize, index: usize) -> Vec<(&'static str, &'static str, u64)> {
+    let places = places(plan);
+    let barriers = places.into_iter().nth(place).unwrap();
+    let is_image = index < barriers.images.len();
+    let (from, to, reason) = barrier(barriers, index);
+    let first = is_image && matches!(reason.hazard, Hazard::Alias { .. });
+    let mask = if first { Mask::NONE } else { from.mask };
+    let each = |bits: u64| (0..64).map(|bit| 1 << bit).filter(move |bit| bits & bit != 0);
+    let (stages, next_stages, next_mask) = (from.stages, to.stages, to.mask);
+    let from_bits = each(stages.as_raw()).map(|bit| ("from", "stage", bit));
+    let from_mask = each(mask.as_raw()).map(|bit| ("from", "access", bit));
+    let to_bits = each(next_stages.as_raw()).map(|bit| ("to", "stage", bit));
+    let to_mask = each(next_mask.as_raw()).map(|bit| ("to", "access", bit));
+    from_bits.chain(from_mask).chain(to_bits).chain(to_mask).collect()
+}
