@@ -76,8 +76,8 @@ fn decode(file: &File, image: usize, at: &str, left: &AtomicU64) -> Result<([u32
     };
     let reader = || ImageReader::with_format(Cursor::new(bytes), format);
     let (width, height) = reader().into_dimensions().map_err(fail)?;
-    let texels = u64::from(width) * u64::from(height);
-    let spend = |left: u64| left.checked_sub(texels * 4);
+    let bytes_decoded = (u64::from(width) * u64::from(height)).saturating_mul(4);
+    let spend = |left: u64| left.checked_sub(bytes_decoded);
     if width > SIDE_LIMIT
         || height > SIDE_LIMIT
         || left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, spend).is_err()
