@@ -1,1 +1,12 @@
-//! CPU references.
+//! CPU references ("twins") of what the engine computes, in double precision and written from papers and
+//! specifications, and the harness of the tests that compare the two.
+
+#![cfg_attr(test, allow(clippy::unwrap_used))]
+
+pub mod compare;
+pub mod device;
+pub mod exr_file;
+pub mod harness;
+pub mod parallel;
+pub mod tiny;
+pub mod twin;

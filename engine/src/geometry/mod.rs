@@ -1,5 +1,7 @@
 //! Pure geometry on the host: no device, no files.
 
 mod bounds;
+mod frustum;
 
 pub use bounds::Aabb;
+pub use frustum::Frustum;

@@ -114,6 +114,35 @@ pub enum Range {
     Buffer([u64; 2]),
 }
 
+impl Range {
+    /// All of an image.
+    pub fn whole_image(shape: &ImageShape) -> Self {
+        Range::Image { aspects: shape.aspects(), mips: [0, shape.mips], layers: [0, shape.layers] }
+    }
+
+    /// The smallest range that holds both; the first where they are of different kinds.
+    pub fn hull(self, other: Range) -> Self {
+        let hull = |a: [u32; 2], b: [u32; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+        match (self, other) {
+            (Range::Image { aspects: a, mips: m, layers: l }, Range::Image { aspects: a2, mips: m2, layers: l2 }) => {
+                Range::Image { aspects: a | a2, mips: hull(m, m2), layers: hull(l, l2) }
+            }
+            (Range::Buffer(a), Range::Buffer(b)) => Range::Buffer([a[0].min(b[0]), a[1].max(b[1])]),
+            _ => self,
+        }
+    }
+}
+
+impl Shape {
+    /// All of it.
+    pub fn whole(&self) -> Range {
+        match self {
+            Shape::Image(shape) => Range::whole_image(shape),
+            Shape::Buffer { size } => Range::Buffer([0, *size]),
+        }
+    }
+}
+
 /// The contents of (a part of) a resource at one point of the frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Version {

@@ -1,7 +1,18 @@
 //! The render graph: describe, plan, execute, report.
+mod access;
+mod builder;
 pub mod description;
+mod errors;
+mod execute;
+mod handle;
+mod pass;
+pub mod plan;
+mod record;
 
-/// All that is wrong with a graph.
-#[derive(Debug, thiserror::Error)]
-#[error("placeholder")]
-pub struct GraphErrors;
+pub use builder::{Data, Graph};
+pub use description::ImageShape;
+pub use errors::{ErrorKind, GraphError, GraphErrors};
+pub use execute::{Capture, Executed, Executor, PassTime};
+pub use handle::{BufferHandle, Handle, ImageHandle};
+pub use pass::{ComputePass, Load, RasterPass};
+pub use record::Recorder;

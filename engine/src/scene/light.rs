@@ -62,3 +62,13 @@ impl Light {
         }
     }
 }
+
+impl super::Scene {
+    /// The way the first directional light travels, world space; `None` where there is none.
+    pub fn sun(&self) -> Option<Vec3> {
+        self.lights.iter().find_map(|light| match light.kind {
+            LightKind::Directional { direction, .. } => Some(direction),
+            LightKind::Point { .. } | LightKind::Spot { .. } => None,
+        })
+    }
+}

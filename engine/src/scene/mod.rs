@@ -4,16 +4,25 @@
 mod bounds;
 pub mod builtin;
 mod camera;
+mod depth_only;
+mod draw;
 mod gltf;
 mod light;
+mod light_buffer;
 mod material;
 mod mesh;
 mod parallel;
+mod upload;
+mod view_set;
 
 pub use camera::{Camera, Projection, View, depth};
+pub use draw::{ALPHA_TESTED, Draw, DrawClass, DrawList, Faces, POSITIONS, SHADED};
 pub use light::{Light, LightKind};
+pub use light_buffer::{LightShadow, MAX_LIGHTS, light_block};
 pub use material::{AlphaMode, Filter, Material, Texture, TextureSlot, Wrap};
 pub use mesh::{Mesh, Object, Primitive};
+pub use upload::GpuScene;
+pub use view_set::{MAX_VIEWS, ViewSet};
 
 /// A scene in host memory.
 ///

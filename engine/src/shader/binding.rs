@@ -1,6 +1,6 @@
 //! What reflection knows of a shader.
 
-use std::marker::PhantomData;
+use ash::vk;
 
 /// Shader stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -46,7 +46,7 @@ pub enum ShaderAccess {
 /// One descriptor binding of a shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Binding {
-    /// Descriptor set: 0 is the pass's and is bound by the render graph, 1 is the material's.
+    /// Descriptor set: 0 is the pass's and is bound by the render graph, 1 is the material's. At most 3.
     pub set: u32,
     /// Binding number in the set.
     pub binding: u32,
@@ -60,6 +60,34 @@ pub struct Binding {
     pub count: u32,
     /// For blocks, bytes of the fixed part; a storage block's run-time array counts as 0. For others 0.
     pub size: u32,
+    /// For images, sampled or stored, their type. For others `None`.
+    pub image: Option<ImageType>,
+}
+
+/// What the shader takes an image for: the view bound to it must be this.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct ImageType {
+    /// Kind of view: `sampler2DArray` takes a `TYPE_2D_ARRAY`, `image3D` a `TYPE_3D`.
+    pub view: vk::ImageViewType,
+    /// Whether it has several samples a texel (`sampler2DMS`).
+    pub multisampled: bool,
+    /// Whether its sampler compares (`sampler2DShadow`).
+    pub comparison: bool,
+    /// Format of a storage image, where its `layout` names one; else `UNDEFINED`.
+    pub format: vk::Format,
+}
+
+/// A vertex shader's input.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Input {
+    /// `layout(location = …)`.
+    pub location: u32,
+    /// Name in the shader.
+    pub name: &'static str,
+    /// Scalar kind of its components.
+    pub scalar: OutputScalar,
+    /// 1 to 4.
+    pub components: u32,
 }
 
 /// A fragment shader's colour output.
@@ -75,7 +103,7 @@ pub struct Output {
     pub components: u32,
 }
 
-/// Scalar kind of a fragment output.
+/// Scalar kind of a fragment output or a vertex input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputScalar {
     /// Float, unorm and the like.
@@ -108,25 +136,12 @@ pub struct Shader {
     pub bindings: &'static [Binding],
     /// Its push constants, where it has some.
     pub push: Option<Push>,
-    /// Fragment outputs, by location.
+    /// Vertex inputs, by location; other stages have none here.
+    pub inputs: &'static [Input],
+    /// Fragment outputs, by location; other stages have none here.
     pub outputs: &'static [Output],
-    /// Workgroup size; `[0; 3]` where it is no compute shader.
+    /// Workgroup size, before specialization; `[0; 3]` where it is no compute shader.
     pub workgroup: [u32; 3],
-    /// SPIR-V capabilities that go beyond the engine's required features, by name.
+    /// SPIR-V capabilities that Vulkan 1.3 does not promise of every device, by their SPIR-V names, sorted.
     pub capabilities: &'static [&'static str],
 }
-
-/// Typed name of a uniform block: `T` is the generated struct.
-pub struct UniformSlot<T>(pub Binding, pub PhantomData<fn(T)>);
-
-/// Typed name of a storage block: `T` is the generated struct of its fixed part, or of the element where it is
-/// nothing but a run-time array.
-pub struct StorageSlot<T>(pub Binding, pub PhantomData<fn(T)>);
-
-/// Typed name of an image binding: sampled, or storage.
-#[derive(Clone, Copy, Debug)]
-pub struct ImageSlot(pub Binding);
-
-/// Typed name of a fragment shader's colour output.
-#[derive(Clone, Copy, Debug)]
-pub struct ColorSlot(pub Output);

@@ -1,0 +1,173 @@
+//! The assembled frame: which light, cascade and camera passes run, from one settings value, and which layers they
+//! leave.
+
+mod layers;
+
+use ash::vk;
+use glam::Vec3;
+
+pub use layers::{Layer, Samples, Selection, Source};
+
+use crate::graph::{Graph, ImageHandle, ImageShape};
+use crate::scene::{GpuScene, Light, LightKind, LightShadow, MAX_LIGHTS, View, light_block};
+use crate::shader::generated::blocks;
+use crate::techniques::shading::lighting::{Lighting, LightingInput};
+use crate::techniques::shadow::cascaded::{Cascaded, CascadedShadow};
+use crate::techniques::shadow::spot::{MAX_SPOTS, Spot, SpotShadows};
+use crate::techniques::shadow::{Receivers, map_sampler};
+use crate::techniques::surface::depth::DepthPrepass;
+use crate::techniques::surface::gbuffer::{GBuffer, Precision, Surfaces};
+use crate::techniques::surface::position::Position;
+use crate::techniques::transparency::sorted::{ForwardLights, Sorted};
+
+/// What a frame is made with.
+#[derive(Clone, Debug)]
+pub struct FrameSettings {
+    /// The camera and the picture's size.
+    pub view: View,
+    /// Shadows of the first directional light.
+    pub cascaded: Cascaded,
+    /// Shadows of spot lights.
+    pub spot: Spot,
+    /// Radiance that comes from everywhere, cd/m².
+    pub environment: Vec3,
+    /// How finely the G-buffer is stored.
+    pub precision: Precision,
+    /// Which layers are captured. What only others need is not rendered.
+    pub layers: Selection,
+}
+
+impl FrameSettings {
+    /// Four cascades, bilinear shadows, no environment, every layer.
+    pub fn new(view: View) -> Self {
+        Self {
+            view,
+            cascaded: Cascaded::default(),
+            spot: Spot::default(),
+            environment: Vec3::ZERO,
+            precision: Precision::default(),
+            layers: Selection::All,
+        }
+    }
+}
+
+/// What a recorded frame will leave.
+pub struct Frame {
+    /// Captured layers.
+    pub layers: Vec<Layer>,
+    /// What the frame does not show as the scene asks, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+impl FrameSettings {
+    /// Records the passes of a frame and marks its layers to be captured.
+    pub fn record<'f>(&self, graph: &mut Graph<'f>, scene: &'f GpuScene) -> Frame {
+        let view = &self.view;
+        let mut captured = layers::Captured::new(&self.layers);
+
+        // 1. Camera: the first opaque surface of each pixel.
+        let depth = DepthPrepass.record(graph, scene, view);
+        let surfaces = GBuffer::default().precision(self.precision).record(graph, scene, view, depth);
+        let position = Position.record(graph, view, &surfaces.depth);
+
+        // 2. Lights: maps and masks of those that cast shadows.
+        let receivers = Receivers { view, depth: &surfaces.depth, ids: &surfaces.ids };
+        let shadows = self.shadows(graph, scene, &receivers);
+        let lights = light_block(&scene.lights, &shadows.of_lights);
+
+        // 3. Camera: shading of the opaque surfaces, then blended ones over them.
+        let input = LightingInput {
+            depth: &surfaces.depth,
+            albedo: &surfaces.albedo,
+            normal: &surfaces.normal,
+            material: &surfaces.material,
+            emissive: &surfaces.emissive,
+            lights: &lights,
+            masks: shadows.masks.as_ref(),
+        };
+        let lit = Lighting { environment: self.environment }.record(graph, scene, view, &input);
+        let forward = ForwardLights {
+            lights: &lights,
+            cascades: shadows.sun.as_ref().map(|sun| (&sun.parameters, &sun.map)),
+            spots: shadows.spots.as_ref().map(|spots| (&spots.parameters, &spots.maps)),
+            sampler: map_sampler(),
+        };
+        let color =
+            Sorted { environment: self.environment }.record(graph, scene, view, &surfaces.depth, &forward, lit.color);
+
+        // 4. Captures.
+        captured.frame(graph, &color, &lit.direct, &position, &surfaces);
+        captured.shadows(graph, scene, &shadows);
+        Frame { layers: captured.layers, warnings: shadows.warnings }
+    }
+
+    /// Shadow maps of the first directional light and of the spots, and one image with a mask a layer.
+    fn shadows<'f>(&self, graph: &mut Graph<'f>, scene: &'f GpuScene, receivers: &Receivers) -> Shadows {
+        let lights = &scene.lights;
+        let sun = lights.iter().position(|light| matches!(light.kind, LightKind::Directional { .. }));
+        let spots: Vec<usize> = (0..lights.len()).filter(|&i| Spot::serves(&lights[i])).take(MAX_SPOTS).collect();
+        let order: Vec<usize> = sun.into_iter().chain(spots.iter().copied()).collect();
+
+        let mut shadows = Shadows::new(lights);
+        let without = (0..lights.len()).filter(|i| !order.contains(i));
+        shadows.warnings.extend(without.map(|i| format!("light `{}` casts no shadow", lights[i].name)));
+        if lights.len() > MAX_LIGHTS {
+            let without = lights.len() - MAX_LIGHTS;
+            shadows.warnings.push(format!("{without} lights after the first {MAX_LIGHTS} do not shine"));
+        }
+        if order.is_empty() {
+            return shadows;
+        }
+        for (mask, &light) in order.iter().enumerate() {
+            let index = mask - if light == order[0] && sun.is_some() { 0 } else { usize::from(sun.is_some()) };
+            shadows.of_lights[light] = Some(LightShadow { mask: mask as u32, index: index as u32 });
+        }
+        let shape = ImageShape::new_2d(vk::Format::R32_SFLOAT, self.view.size).layers(order.len() as u32);
+        let masks = graph.image("shadow.masks", shape);
+        let mut layers = graph.split_layers(masks).into_iter();
+        let mut written = Vec::with_capacity(order.len());
+        if let (Some(sun), Some(layer)) = (sun, sun.and_then(|_| layers.next())) {
+            if let LightKind::Directional { direction, .. } = lights[sun].kind {
+                let cascaded = self.cascaded.record(graph, scene, receivers, direction, layer);
+                let CascadedShadow { mask, index, map, parameters } = cascaded;
+                written.push(mask);
+                shadows.sun = Some(SunShadow { index, map, parameters });
+            }
+        }
+        let spot_lights: Vec<&Light> = spots.iter().map(|&i| &lights[i]).collect();
+        if let Some(spots) = self.spot.record(graph, scene, receivers, &spot_lights, layers.collect()) {
+            let SpotShadows { masks, maps, parameters } = spots;
+            written.extend(masks);
+            shadows.spots = Some(SpotMaps { maps, parameters });
+        }
+        shadows.masks = graph.join(written);
+        shadows
+    }
+}
+
+/// Shadows of a frame.
+struct Shadows {
+    /// By light.
+    of_lights: Vec<Option<LightShadow>>,
+    masks: Option<ImageHandle>,
+    sun: Option<SunShadow>,
+    spots: Option<SpotMaps>,
+    warnings: Vec<String>,
+}
+
+struct SunShadow {
+    index: ImageHandle,
+    map: ImageHandle,
+    parameters: blocks::Cascades,
+}
+
+struct SpotMaps {
+    maps: ImageHandle,
+    parameters: blocks::SpotMaps,
+}
+
+impl Shadows {
+    fn new(lights: &[Light]) -> Self {
+        Self { of_lights: vec![None; lights.len()], masks: None, sun: None, spots: None, warnings: Vec::new() }
+    }
+}

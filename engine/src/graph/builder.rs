@@ -1,0 +1,344 @@
+//! Describing a frame: resources, passes, roots. Touches no device.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use ash::vk;
+
+use super::description::{
+    Access, Description, ImageShape, Origin, Pass, PassId, Queue, Range, Resource, ResourceId, Root, Shape, Source,
+    Use, Version, VersionId,
+};
+use super::errors::{ErrorKind, GraphError, GraphErrors};
+use super::handle::{BufferHandle, Handle, ImageHandle};
+use super::pass::{ComputePass, RasterPass, Work};
+use super::plan::{DeviceModel, Plan, plan};
+use crate::gpu::{Buffer, Caps, Image};
+use crate::shader::{Program, Shader};
+
+/// A frame being described. Passes may borrow what lives for `'f`.
+pub struct Graph<'f> {
+    pub(super) id: u64,
+    pub(super) caps: &'f Caps,
+    pub(super) description: Description,
+    /// What each pass does, in the order of `description.passes`.
+    pub(super) work: Vec<Work<'f>>,
+    /// Memory of imported resources, in the order of `description.resources`.
+    pub(super) external: Vec<Option<External>>,
+    /// Bytes for uniform and constant bindings of this frame.
+    pub(super) arena: Arena,
+    /// Mistakes that the typed layer saw.
+    pub(super) mistakes: Vec<GraphError>,
+}
+
+/// An imported resource.
+#[derive(Clone)]
+pub(super) enum External {
+    Image(Image),
+    Buffer(Buffer),
+}
+
+/// Bytes that the host gives the frame's shaders.
+#[derive(Default)]
+pub(super) struct Arena {
+    pub(super) bytes: Vec<u8>,
+}
+
+/// Largest offset alignment that Vulkan lets a device ask for.
+const ARENA_ALIGNMENT: usize = 256;
+
+impl Arena {
+    fn push(&mut self, bytes: &[u8]) -> Data {
+        self.bytes.resize(self.bytes.len().next_multiple_of(ARENA_ALIGNMENT), 0);
+        let offset = self.bytes.len() as u64;
+        self.bytes.extend_from_slice(bytes);
+        // No binding is empty.
+        if bytes.is_empty() {
+            self.bytes.extend_from_slice(&[0; 16]);
+        }
+        Data { offset, size: (self.bytes.len() as u64) - offset }
+    }
+}
+
+/// Bytes in the frame's arena: read-only for its shaders, free of hazards.
+#[derive(Clone, Copy, Debug)]
+pub struct Data {
+    pub(super) offset: u64,
+    pub(super) size: u64,
+}
+
+static NEXT_GRAPH: AtomicU64 = AtomicU64::new(0);
+
+impl<'f> Graph<'f> {
+    /// An empty frame for devices with these capabilities.
+    pub fn new(name: &str, caps: &'f Caps) -> Self {
+        Self {
+            id: NEXT_GRAPH.fetch_add(1, Ordering::Relaxed),
+            caps,
+            description: Description { name: name.into(), ..Description::default() },
+            work: Vec::new(),
+            external: Vec::new(),
+            arena: Arena::default(),
+            mistakes: Vec::new(),
+        }
+    }
+
+    /// What the device can do, for techniques that choose between paths.
+    pub fn caps(&self) -> &'f Caps {
+        self.caps
+    }
+
+    /// The untyped description so far.
+    pub fn description(&self) -> &Description {
+        &self.description
+    }
+
+    /// A new image of this frame. Its contents are undefined.
+    pub fn image(&mut self, name: impl Into<String>, shape: ImageShape) -> ImageHandle {
+        self.new_image(name.into(), shape, Origin::Transient, None)
+    }
+
+    /// A new buffer of this frame. Its contents are undefined.
+    pub fn buffer(&mut self, name: impl Into<String>, size: u64) -> BufferHandle {
+        self.new_buffer(name.into(), size, Origin::Transient, None)
+    }
+
+    /// An image that outlives the frame. It arrives in the state `before` and is left in `after` (or as its last use
+    /// leaves it).
+    pub fn import_image(&mut self, image: &Image, before: Access, after: Option<Access>) -> ImageHandle {
+        let info = image.info();
+        let shape = ImageShape {
+            format: info.format,
+            extent: info.extent,
+            mips: info.mips,
+            layers: info.layers,
+            samples: info.samples,
+        };
+        let external = External::Image(image.clone());
+        self.new_image(image.name().into(), shape, Origin::Imported { before, after }, Some(external))
+    }
+
+    /// A buffer that outlives the frame; as [`Graph::import_image`].
+    pub fn import_buffer(&mut self, buffer: &Buffer, before: Access, after: Option<Access>) -> BufferHandle {
+        let external = External::Buffer(buffer.clone());
+        self.new_buffer(buffer.name().into(), buffer.size(), Origin::Imported { before, after }, Some(external))
+    }
+
+    /// Copies values into the frame's arena, for `constant` bindings of its passes.
+    pub fn data<T: bytemuck::Pod>(&mut self, values: &[T]) -> Data {
+        self.arena.push(bytemuck::cast_slice(values))
+    }
+
+    /// As [`Graph::data`], for a block with a fixed part and a run-time array behind it.
+    pub fn data_with_tail<H: bytemuck::Pod, T: bytemuck::Pod>(&mut self, head: &H, tail: &[T]) -> Data {
+        self.arena.push(&[bytemuck::bytes_of(head), bytemuck::cast_slice(tail)].concat())
+    }
+
+    /// A compute pass of one dispatch. Its name is unique in the frame.
+    pub fn compute(&mut self, name: impl Into<String>, shader: &'static Shader) -> ComputePass<'_, 'f> {
+        ComputePass::new(self, name.into(), shader)
+    }
+
+    /// A pass of draws with these programs. Its name is unique in the frame.
+    pub fn raster(&mut self, name: impl Into<String>, programs: Vec<Program>) -> RasterPass<'_, 'f> {
+        RasterPass::new(self, name.into(), programs)
+    }
+
+    /// Fills a buffer with a 32-bit value.
+    pub fn fill(&mut self, name: impl Into<String>, buffer: BufferHandle, value: u32) -> BufferHandle {
+        let pass = self.next_pass();
+        let (used, next) = self.written(pass, "destination", buffer, false, Access::transfer_write());
+        self.push_pass(
+            name.into(),
+            Queue::Transfer,
+            vec![used],
+            Work::Fill { resource: next.resource, range: next.range, value },
+        );
+        next
+    }
+
+    /// Clears a colour image.
+    pub fn clear(&mut self, name: impl Into<String>, image: ImageHandle, value: vk::ClearColorValue) -> ImageHandle {
+        let pass = self.next_pass();
+        let (used, next) = self.written(pass, "destination", image, false, Access::transfer_write());
+        self.push_pass(
+            name.into(),
+            Queue::Graphics,
+            vec![used],
+            Work::Clear { resource: next.resource, range: next.range, value },
+        );
+        next
+    }
+
+    /// Plans the frame for a device.
+    ///
+    /// # Errors
+    /// All that is wrong with it, at once.
+    pub fn compile(&self, device: &dyn DeviceModel) -> Result<Plan, GraphErrors> {
+        let planned = plan(&self.description, device);
+        if self.mistakes.is_empty() {
+            return planned;
+        }
+        let mut errors = self.mistakes.clone();
+        errors.extend(planned.err().map(|more| more.errors).unwrap_or_default());
+        Err(GraphErrors { graph: self.description.name.clone(), errors })
+    }
+
+    /// Takes an image apart into its array layers, which can then be written in any order.
+    pub fn split_layers(&mut self, image: ImageHandle) -> Vec<ImageHandle> {
+        let Range::Image { aspects, mips, layers } = image.range else { return Vec::new() };
+        let parts = layers[0]..layers[1];
+        parts.map(|layer| self.split(&image, Range::Image { aspects, mips, layers: [layer, layer + 1] })).collect()
+    }
+
+    /// Takes an image apart into its mip levels, which can then be written in any order.
+    pub fn split_mips(&mut self, image: ImageHandle) -> Vec<ImageHandle> {
+        let Range::Image { aspects, mips, layers } = image.range else { return Vec::new() };
+        let parts = mips[0]..mips[1];
+        parts.map(|mip| self.split(&image, Range::Image { aspects, mips: [mip, mip + 1], layers })).collect()
+    }
+
+    /// Puts parts of one image together again. They cover a block of layers or of mips without a gap.
+    pub fn join(&mut self, parts: Vec<ImageHandle>) -> Option<ImageHandle> {
+        let range = parts.iter().map(|part| part.range).reduce(Range::hull)?;
+        let of = parts.iter().map(|part| part.version).collect();
+        let first = parts.into_iter().next()?;
+        let version = self.version(first.resource, range, Source::Join { of });
+        Some(ImageHandle { version, range, ..first })
+    }
+
+    /// Lets `count` passes write atomically to one buffer in any order; [`Graph::join_appended`] ends that.
+    pub fn append(&mut self, buffer: BufferHandle, count: usize) -> Vec<BufferHandle> {
+        let of = buffer.version;
+        let fork = |graph: &mut Self| {
+            let version = graph.version(buffer.resource, buffer.range, Source::Fork { of });
+            BufferHandle { version, ..buffer }
+        };
+        (0..count).map(|_| fork(self)).collect()
+    }
+
+    /// The buffer after all of its unordered writers.
+    pub fn join_appended(&mut self, forks: Vec<BufferHandle>) -> Option<BufferHandle> {
+        let of = forks.iter().map(|fork| fork.version).collect();
+        let first = forks.into_iter().next()?;
+        let version = self.version(first.resource, first.range, Source::Join { of });
+        Some(BufferHandle { version, ..first })
+    }
+
+    /// Marks contents to be read back at the end of the frame, under a name. They are neither culled nor aliased
+    /// away; where a later pass writes over them, a copy is made before.
+    pub fn capture(&mut self, name: impl Into<String>, handle: &impl Handle) {
+        let name = name.into();
+        self.check_owner(&name, handle);
+        self.description.roots.push(Root { name, version: handle.version(), read_back: true });
+    }
+
+    /// Marks contents that somebody needs after the frame: an imported image that is shown.
+    pub fn keep(&mut self, name: impl Into<String>, handle: &impl Handle) {
+        let name = name.into();
+        self.check_owner(&name, handle);
+        self.description.roots.push(Root { name, version: handle.version(), read_back: false });
+    }
+
+    fn new_image(
+        &mut self,
+        name: String,
+        shape: ImageShape,
+        origin: Origin,
+        external: Option<External>,
+    ) -> ImageHandle {
+        let range = Range::whole_image(&shape);
+        let (resource, version) = self.new_resource(name, Shape::Image(shape), range, origin, external);
+        ImageHandle { graph: self.id, resource, version, shape, range }
+    }
+
+    fn new_buffer(&mut self, name: String, size: u64, origin: Origin, external: Option<External>) -> BufferHandle {
+        let range = Range::Buffer([0, size]);
+        let (resource, version) = self.new_resource(name, Shape::Buffer { size }, range, origin, external);
+        BufferHandle { graph: self.id, resource, version, range }
+    }
+
+    fn new_resource(
+        &mut self,
+        name: String,
+        shape: Shape,
+        range: Range,
+        origin: Origin,
+        external: Option<External>,
+    ) -> (ResourceId, VersionId) {
+        let resource = ResourceId(self.description.resources.len() as u32);
+        self.description.resources.push(Resource { name, shape, origin });
+        self.external.push(external);
+        (resource, self.version(resource, range, Source::Initial))
+    }
+
+    fn version(&mut self, resource: ResourceId, range: Range, source: Source) -> VersionId {
+        let id = VersionId(self.description.versions.len() as u32);
+        self.description.versions.push(Version { resource, range, source });
+        id
+    }
+
+    fn split(&mut self, whole: &ImageHandle, range: Range) -> ImageHandle {
+        let version = self.version(whole.resource, range, Source::Split { of: whole.version });
+        ImageHandle { version, range, ..*whole }
+    }
+
+    /// The id that the next pushed pass gets.
+    pub(super) fn next_pass(&self) -> PassId {
+        PassId(self.description.passes.len() as u32)
+    }
+
+    pub(super) fn push_pass(&mut self, name: String, queue: Queue, uses: Vec<Use>, work: Work<'f>) {
+        self.description.passes.push(Pass { name, queue, uses, side_effect: None });
+        self.work.push(work);
+    }
+
+    /// A use that reads.
+    pub(super) fn used(&mut self, slot: &str, handle: &impl Handle, access: Access) -> Use {
+        self.check_owner(slot, handle);
+        Use { slot: slot.into(), version: handle.version(), makes: None, reads: true, access }
+    }
+
+    /// A use that writes: `reads` where the contents before it matter. Undefined contents never do.
+    pub(super) fn written<H: Handle>(
+        &mut self,
+        pass: PassId,
+        slot: &str,
+        handle: H,
+        reads: bool,
+        access: Access,
+    ) -> (Use, H) {
+        self.check_owner(slot, &handle);
+        let from = handle.version();
+        let makes = self.version(handle.resource(), handle.range(), Source::Pass { pass, from });
+        let used = Use { slot: slot.into(), version: from, makes: Some(makes), reads, access };
+        (used, handle.next(makes))
+    }
+
+    /// Whether a version still is as its resource began, undefined.
+    pub(super) fn is_undefined(&self, handle: &impl Handle) -> bool {
+        let mut version = handle.version();
+        loop {
+            match &self.description.versions[version.0 as usize].source {
+                Source::Initial => {
+                    let resource = &self.description.resources[handle.resource().0 as usize];
+                    return resource.origin == Origin::Transient;
+                }
+                Source::Split { of } | Source::Fork { of } => version = *of,
+                Source::Pass { .. } | Source::Join { .. } => return false,
+            }
+        }
+    }
+
+    fn check_owner(&mut self, slot: &str, handle: &impl Handle) {
+        if handle.graph() != self.id {
+            let allowed = format!("handles that `{}` gave", self.description.name);
+            self.mistake(None, Some(slot), "is a handle of another graph".into(), allowed);
+        }
+    }
+
+    /// Notes something wrong, to be told by [`Graph::compile`].
+    pub(super) fn mistake(&mut self, pass: Option<&str>, slot: Option<&str>, wrong: String, allowed: String) {
+        let (pass, slot) = (pass.map(Into::into), slot.map(Into::into));
+        self.mistakes.push(GraphError { kind: ErrorKind::Binding, pass, slot, resource: None, wrong, allowed });
+    }
+}

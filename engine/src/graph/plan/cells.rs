@@ -1,0 +1,259 @@
+//! Cells: the parts of resources that planning tells apart. Two ranges of a resource share either all of a cell or
+//! nothing, so hazards, layouts and lifetimes are per cell.
+
+use std::ops::Range as Span;
+
+use ash::vk::ImageAspectFlags as Aspects;
+
+use crate::graph::description::{Description, Range, ResourceId, Shape};
+
+/// Cells of all resources, and which of them each version covers.
+pub(super) struct Cells {
+    /// By resource, then the total.
+    first: Vec<u32>,
+    grids: Vec<Grid>,
+    /// Resource of each cell.
+    resource: Vec<ResourceId>,
+    /// By version, then the total: its slots.
+    first_slot: Vec<u32>,
+    /// Cell of each slot, ascending within a version.
+    slot_cells: Vec<u32>,
+}
+
+/// How a resource is cut into cells.
+enum Grid {
+    /// Not at all.
+    Whole(Range),
+    /// Aspects, then mips, then layers; ascending bounds.
+    Image { aspects: Vec<Aspects>, mips: Vec<u32>, layers: Vec<u32> },
+    /// Ascending bounds.
+    Buffer(Vec<u64>),
+}
+
+impl Cells {
+    /// Cuts resources where ranges of versions begin and end. Versions marked broken cover nothing.
+    pub(super) fn new(description: &Description, broken: &[bool]) -> Self {
+        let mut parts: Vec<Vec<Range>> = vec![Vec::new(); description.resources.len()];
+        for (version, _) in description.versions.iter().zip(broken).filter(|(_, broken)| !**broken) {
+            let index = version.resource.0 as usize;
+            let known = &mut parts[index];
+            if version.range != description.resources[index].shape.whole() && !known.contains(&version.range) {
+                known.push(version.range);
+            }
+        }
+        let mut cells = Self {
+            first: vec![0],
+            grids: Vec::with_capacity(parts.len()),
+            resource: Vec::new(),
+            first_slot: Vec::with_capacity(description.versions.len() + 1),
+            slot_cells: Vec::with_capacity(description.versions.len()),
+        };
+        for (index, (resource, parts)) in description.resources.iter().zip(&parts).enumerate() {
+            let grid = Grid::new(&resource.shape, parts);
+            let end = cells.resource.len() + grid.count();
+            cells.resource.resize(end, ResourceId(index as u32));
+            cells.first.push(end as u32);
+            cells.grids.push(grid);
+        }
+        cells.first_slot.push(0);
+        for (version, broken) in description.versions.iter().zip(broken) {
+            if !broken {
+                cells.push_slots(version.resource, version.range);
+            }
+            cells.first_slot.push(cells.slot_cells.len() as u32);
+        }
+        cells
+    }
+
+    fn push_slots(&mut self, resource: ResourceId, range: Range) {
+        let first = self.first[resource.0 as usize];
+        match (&self.grids[resource.0 as usize], range) {
+            (Grid::Image { aspects, mips, layers }, Range::Image { aspects: a, mips: m, layers: l }) => {
+                let (m, l) = (span(mips, m), span(layers, l));
+                let (rows, columns) = (mips.len() as u32 - 1, layers.len() as u32 - 1);
+                for aspect in (0..aspects.len() as u32).filter(|&i| a.contains(aspects[i as usize])) {
+                    for mip in m.clone() {
+                        self.slot_cells.extend(l.clone().map(|layer| first + (aspect * rows + mip) * columns + layer));
+                    }
+                }
+            }
+            (Grid::Buffer(bounds), Range::Buffer(bytes)) => {
+                self.slot_cells.extend(span(bounds, bytes).map(|i| first + i));
+            }
+            _ => self.slot_cells.push(first),
+        }
+    }
+
+    /// Number of cells.
+    pub(super) fn len(&self) -> usize {
+        self.resource.len()
+    }
+
+    /// Number of slots of all versions.
+    pub(super) fn slot_count(&self) -> usize {
+        self.slot_cells.len()
+    }
+
+    /// The resource that a cell is part of.
+    pub(super) fn resource(&self, cell: u32) -> ResourceId {
+        self.resource[cell as usize]
+    }
+
+    /// Cells of a resource.
+    pub(super) fn of(&self, resource: ResourceId) -> Span<u32> {
+        self.first[resource.0 as usize]..self.first[resource.0 as usize + 1]
+    }
+
+    /// Slots of a version: one for each cell that it covers.
+    pub(super) fn slots(&self, version: usize) -> Span<usize> {
+        self.first_slot[version] as usize..self.first_slot[version + 1] as usize
+    }
+
+    /// Cell of a slot.
+    pub(super) fn cell(&self, slot: usize) -> u32 {
+        self.slot_cells[slot]
+    }
+
+    /// Cells of a version, ascending.
+    pub(super) fn covered(&self, version: usize) -> &[u32] {
+        &self.slot_cells[self.slots(version)]
+    }
+
+    /// A version's slot for a cell.
+    pub(super) fn slot(&self, version: usize, cell: u32) -> Option<usize> {
+        let slots = self.slots(version);
+        let index = self.slot_cells[slots.clone()].binary_search(&cell).ok()?;
+        Some(slots.start + index)
+    }
+
+    /// Ranges that hold exactly these cells of one resource, given in ascending order.
+    pub(super) fn ranges(&self, cells: &[u32]) -> Vec<Range> {
+        let Some(&start) = cells.first() else { return Vec::new() };
+        let resource = self.resource(start);
+        let first = self.first[resource.0 as usize];
+        match &self.grids[resource.0 as usize] {
+            Grid::Whole(range) => vec![*range],
+            Grid::Buffer(bounds) => {
+                let runs = runs(cells.iter().map(|cell| cell - first));
+                runs.map(|[a, b]| Range::Buffer([bounds[a as usize], bounds[b as usize]])).collect()
+            }
+            Grid::Image { aspects, mips, layers } => {
+                boxes(cells.iter().map(|cell| cell - first), mips.len() as u32 - 1, layers.len() as u32 - 1)
+                    .into_iter()
+                    .map(|part| Range::Image {
+                        aspects: (0..aspects.len())
+                            .filter(|i| part.aspects & (1 << i) != 0)
+                            .fold(Aspects::empty(), |all, i| all | aspects[i]),
+                        mips: part.mips.map(|i| mips[i as usize]),
+                        layers: part.layers.map(|i| layers[i as usize]),
+                    })
+                    .collect()
+            }
+        }
+    }
+}
+
+impl Grid {
+    fn new(shape: &Shape, parts: &[Range]) -> Self {
+        if parts.is_empty() {
+            return Grid::Whole(shape.whole());
+        }
+        match shape {
+            Shape::Image(shape) => {
+                let all = shape.aspects();
+                let single = (0..32).map(|bit| Aspects::from_raw(1 << bit)).filter(|&bit| all.contains(bit));
+                let mut mips = vec![0, shape.mips];
+                let mut layers = vec![0, shape.layers];
+                for part in parts {
+                    if let Range::Image { mips: m, layers: l, .. } = part {
+                        mips.extend(m);
+                        layers.extend(l);
+                    }
+                }
+                Grid::Image { aspects: single.collect(), mips: bounds(mips), layers: bounds(layers) }
+            }
+            Shape::Buffer { size } => {
+                let ends = parts.iter().flat_map(|part| match part {
+                    Range::Buffer(bytes) => bytes.to_vec(),
+                    Range::Image { .. } => Vec::new(),
+                });
+                Grid::Buffer(bounds([0, *size].into_iter().chain(ends).collect()))
+            }
+        }
+    }
+
+    fn count(&self) -> usize {
+        match self {
+            Grid::Whole(_) => 1,
+            Grid::Image { aspects, mips, layers } => aspects.len() * (mips.len() - 1) * (layers.len() - 1),
+            Grid::Buffer(bounds) => bounds.len() - 1,
+        }
+    }
+}
+
+fn bounds<T: Ord>(mut all: Vec<T>) -> Vec<T> {
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
+/// Places of the intervals that `range` holds; both its ends are among the bounds.
+fn span<T: Ord>(bounds: &[T], range: [T; 2]) -> Span<u32> {
+    let place = |value: &T| bounds.partition_point(|bound| bound < value) as u32;
+    place(&range[0])..place(&range[1])
+}
+
+/// `[first, end)` of consecutive numbers.
+fn runs(numbers: impl Iterator<Item = u32>) -> impl Iterator<Item = [u32; 2]> {
+    let mut numbers = numbers.peekable();
+    std::iter::from_fn(move || {
+        let first = numbers.next()?;
+        let mut end = first + 1;
+        while numbers.next_if_eq(&end).is_some() {
+            end += 1;
+        }
+        Some([first, end])
+    })
+}
+
+/// A block of an image's cells; bit `i` of `aspects` is the image's aspect number `i`.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct Block {
+    aspects: u32,
+    mips: [u32; 2],
+    layers: [u32; 2],
+}
+
+/// Covers cells by blocks: runs of layers, then equal runs of successive mips, then equal blocks of several aspects.
+fn boxes(cells: impl Iterator<Item = u32>, rows: u32, columns: u32) -> Vec<Block> {
+    let mut blocks: Vec<Block> = Vec::new();
+    for cell in cells {
+        let (row, layer) = (cell / columns, cell % columns);
+        let (aspects, mip) = (1 << (row / rows), row % rows);
+        match blocks.last_mut() {
+            Some(last) if last.aspects == aspects && last.mips[0] == mip && last.layers[1] == layer => {
+                last.layers[1] += 1;
+            }
+            _ => blocks.push(Block { aspects, mips: [mip, mip + 1], layers: [layer, layer + 1] }),
+        }
+    }
+    let blocks = fold(blocks, |a, b| {
+        let next = a.aspects == b.aspects && a.layers == b.layers && a.mips[1] == b.mips[0];
+        next.then_some(Block { mips: [a.mips[0], b.mips[1]], ..*a })
+    });
+    fold(blocks, |a, b| {
+        (a.mips == b.mips && a.layers == b.layers).then_some(Block { aspects: a.aspects | b.aspects, ..*a })
+    })
+}
+
+/// Puts each block together with the first earlier one that it goes with.
+fn fold(blocks: Vec<Block>, together: impl Fn(&Block, &Block) -> Option<Block>) -> Vec<Block> {
+    let mut kept: Vec<Block> = Vec::new();
+    for block in blocks {
+        match kept.iter_mut().find_map(|known| together(known, &block).map(|sum| (known, sum))) {
+            Some((known, sum)) => *known = sum,
+            None => kept.push(block),
+        }
+    }
+    kept
+}

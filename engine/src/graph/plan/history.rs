@@ -1,0 +1,189 @@
+//! What happens to each cell, in order: groups of uses that need no dependency among themselves.
+
+use ash::vk::ImageLayout;
+
+use super::Work;
+use super::dependencies::Node;
+use super::versions::Versions;
+use crate::graph::description::{Access, Description, Origin, Queue, ResourceId, Shape, VersionId};
+
+/// A moment of the frame: before it, a step, or after it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct At(u32);
+
+impl At {
+    /// Before the first step.
+    pub(super) const START: At = At(0);
+
+    /// After the last step.
+    pub(super) const END: At = At(u32::MAX);
+
+    /// During a step.
+    pub(super) fn step(step: usize) -> At {
+        At(step as u32 + 1)
+    }
+
+    /// The step, where it is one.
+    pub(super) fn index(self) -> Option<usize> {
+        (self != At::START && self != At::END).then(|| self.0 as usize - 1)
+    }
+}
+
+/// What is to be done, in order, and where.
+pub(super) struct Schedule {
+    /// By step.
+    pub(super) nodes: Vec<Node>,
+    /// By step.
+    pub(super) queues: Vec<Queue>,
+    /// How many of the nodes' numbers are passes.
+    pub(super) passes: usize,
+}
+
+impl Schedule {
+    /// What a step does.
+    pub(super) fn work(&self, step: usize) -> Work {
+        match (self.nodes[step] as usize).checked_sub(self.passes) {
+            None => Work::Pass(crate::graph::description::PassId(self.nodes[step])),
+            Some(root) => Work::ReadBack(root),
+        }
+    }
+}
+
+/// Uses of one cell in a row: reads of the same contents in the same layout, one write, or unordered writes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Group {
+    /// First and last use.
+    pub(super) first: At,
+    pub(super) last: At,
+    /// Queue of all of them.
+    pub(super) queue: Queue,
+    /// Stages and masks of all of them, and their layout.
+    pub(super) access: Access,
+    /// Whether they write.
+    pub(super) write: bool,
+    /// Whether the contents before them matter.
+    pub(super) reads: bool,
+    /// What unordered writers forked from.
+    fork: Option<VersionId>,
+}
+
+/// Groups of all cells.
+pub(super) struct History {
+    groups: Vec<Group>,
+    /// By cell, then the total.
+    first: Vec<u32>,
+}
+
+impl History {
+    /// From the order of steps.
+    pub(super) fn new(description: &Description, versions: &Versions, schedule: &Schedule) -> Self {
+        let events = events(description, versions, schedule);
+        let cells = versions.cells.len();
+        let mut history = Self { groups: Vec::with_capacity(events.len()), first: Vec::with_capacity(cells + 1) };
+        let mut events = events.into_iter().peekable();
+        history.first.push(0);
+        for cell in 0..cells as u32 {
+            let resource = versions.cells.resource(cell);
+            let from = history.groups.len();
+            history.groups.extend(arrives(description, resource));
+            while let Some((_, group)) = events.next_if(|(other, _)| *other == cell) {
+                history.push(from, group);
+            }
+            if let Some(end) = leaves(description, resource, &history.groups[from..]) {
+                history.push(from, end);
+            }
+            history.first.push(history.groups.len() as u32);
+        }
+        history
+    }
+
+    /// Groups of a cell, in order.
+    pub(super) fn of(&self, cell: u32) -> &[Group] {
+        &self.groups[self.first[cell as usize] as usize..self.first[cell as usize + 1] as usize]
+    }
+
+    /// Puts a use to the last group of its cell where it belongs to it.
+    fn push(&mut self, from: usize, group: Group) {
+        if let Some(last) = self.groups[from..].last_mut()
+            && last.takes(&group)
+        {
+            last.last = group.last;
+            last.access = last.access.merge(group.access);
+            last.reads |= group.reads;
+        } else {
+            self.groups.push(group);
+        }
+    }
+}
+
+impl Group {
+    fn takes(&self, next: &Group) -> bool {
+        let alike = match (self.write, next.write) {
+            (false, false) => self.access.layout == next.access.layout,
+            (true, true) => self.fork.is_some() && self.fork == next.fork,
+            _ => false,
+        };
+        alike && self.queue == next.queue && self.first != At::START
+    }
+}
+
+/// Uses of all steps, by cell and step.
+fn events(description: &Description, versions: &Versions, schedule: &Schedule) -> Vec<(u32, Group)> {
+    let mut events = Vec::with_capacity(schedule.nodes.len() * 2);
+    for step in 0..schedule.nodes.len() {
+        let mut add = |version: VersionId, makes: Option<VersionId>, reads: bool, access: Access| {
+            let shape = &description.resources[description.versions[version.0 as usize].resource.0 as usize].shape;
+            let group = Group {
+                first: At::step(step),
+                last: At::step(step),
+                queue: schedule.queues[step],
+                access: normal(access, shape),
+                write: makes.is_some(),
+                reads: reads || makes.is_none(),
+                fork: makes.and_then(|made| versions.fork[made.0 as usize]),
+            };
+            events.extend(versions.cells.covered(version.0 as usize).iter().map(|&cell| (cell, group)));
+        };
+        match schedule.work(step) {
+            Work::Pass(pass) => {
+                let uses = &description.passes[pass.0 as usize].uses;
+                uses.iter().for_each(|used| add(used.version, used.makes, used.reads, used.access));
+            }
+            Work::ReadBack(root) => add(description.roots[root].version, None, true, Access::copy_read()),
+        }
+    }
+    events.sort_by_key(|(cell, _)| *cell);
+    events
+}
+
+/// The state that an imported resource arrives in.
+fn arrives(description: &Description, resource: ResourceId) -> Option<Group> {
+    let resource = &description.resources[resource.0 as usize];
+    let Origin::Imported { before, .. } = resource.origin else { return None };
+    Some(outside(At::START, normal(before, &resource.shape)))
+}
+
+/// The state that an imported resource is to be left in, where that asks for anything: it is left to graphics.
+fn leaves(description: &Description, resource: ResourceId, groups: &[Group]) -> Option<Group> {
+    let resource = &description.resources[resource.0 as usize];
+    let Origin::Imported { after, .. } = resource.origin else { return None };
+    let last = groups.last()?;
+    match after {
+        Some(after) => Some(outside(At::END, normal(after, &resource.shape))),
+        None if last.queue == Queue::Graphics => None,
+        None => Some(outside(At::END, Access { layout: last.access.layout, ..Access::NONE })),
+    }
+}
+
+fn outside(at: At, access: Access) -> Group {
+    let write = !access.writes().is_empty();
+    Group { first: at, last: at, queue: Queue::Graphics, access, write, reads: true, fork: None }
+}
+
+/// Buffers have no layout.
+fn normal(access: Access, shape: &Shape) -> Access {
+    match shape {
+        Shape::Image(_) => access,
+        Shape::Buffer { .. } => Access { layout: ImageLayout::UNDEFINED, ..access },
+    }
+}

@@ -1,0 +1,118 @@
+//! When resources and their parts are in use, and which uses are done before which.
+
+use super::Lifetime;
+use super::history::{At, History, Schedule};
+use super::queues::Crossing;
+use super::versions::Versions;
+use crate::graph::description::{Description, Queue, ResourceId};
+
+/// First and last use of each resource on each queue, and what each step knows to be done.
+pub(super) struct Lifetimes {
+    /// By resource and queue: first and last step.
+    pub(super) steps: Vec<[Option<[usize; 2]>; 3]>,
+    /// By resource: kept to the end of the frame.
+    kept: Vec<bool>,
+    /// By step and queue: the first step of that queue that may still be running.
+    done: Vec<[usize; 3]>,
+    queues: Vec<Queue>,
+    one_queue: bool,
+}
+
+impl Lifetimes {
+    pub(super) fn new(
+        description: &Description,
+        versions: &Versions,
+        history: &History,
+        schedule: &Schedule,
+        crossings: &[Crossing],
+    ) -> Self {
+        let mut steps = vec![[None; 3]; description.resources.len()];
+        for cell in 0..versions.cells.len() as u32 {
+            let known: &mut [Option<[usize; 2]>; 3] = &mut steps[versions.cells.resource(cell).0 as usize];
+            for group in history.of(cell) {
+                let (Some(first), last) = (group.first.index(), group.last.index()) else { continue };
+                let last = last.unwrap_or(schedule.nodes.len());
+                let span = &mut known[group.queue as usize];
+                *span = Some(span.map_or([first, last], |[a, b]| [a.min(first), b.max(last)]));
+            }
+        }
+        let mut kept = vec![false; description.resources.len()];
+        for root in description.roots.iter().filter(|root| !root.read_back) {
+            kept[description.versions[root.version.0 as usize].resource.0 as usize] = true;
+        }
+        let queues = schedule.queues.clone();
+        let one_queue = queues.iter().all(|queue| *queue == queues[0]);
+        Self { steps, kept, done: done(schedule, crossings), queues, one_queue }
+    }
+
+    /// First and last step over all queues.
+    pub(super) fn span(&self, resource: ResourceId) -> Option<[usize; 2]> {
+        let index = resource.0 as usize;
+        let spans = self.steps[index].iter().flatten();
+        let [first, last] = spans.copied().reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])?;
+        let end = self.queues.len().saturating_sub(1);
+        Some([first, if self.kept[index] { end } else { last }])
+    }
+
+    /// Whether all steps run on one queue.
+    pub(super) fn one_queue(&self) -> bool {
+        self.one_queue
+    }
+
+    /// Whether every use of `a` is done, by the order of its queue or by semaphores, when `b` begins.
+    pub(super) fn before(&self, a: ResourceId, b: ResourceId) -> bool {
+        let ends = self.steps[a.0 as usize].iter().enumerate().filter_map(|(queue, span)| Some((queue, (*span)?[1])));
+        let starts = self.steps[b.0 as usize].iter().flatten().map(|span| span[0]);
+        !self.kept[a.0 as usize]
+            && starts.into_iter().all(|start| {
+                ends.clone().all(|(queue, end)| {
+                    end < start && (self.queues[start] as usize == queue || self.done[start][queue] > end)
+                })
+            })
+    }
+}
+
+/// What each step knows to be done on other queues, from the semaphores it and those before it waited for.
+fn done(schedule: &Schedule, crossings: &[Crossing]) -> Vec<[usize; 3]> {
+    let steps = schedule.nodes.len();
+    let mut sorted = crossings.to_vec();
+    sorted.sort_unstable();
+    let mut crossings = sorted.into_iter().peekable();
+    let mut latest = [[0; 3]; 3];
+    let mut done = vec![[0; 3]; steps];
+    for step in 0..steps {
+        let mine = &mut latest[schedule.queues[step] as usize];
+        while let Some(crossing) = crossings.next_if(|crossing| crossing.to == step) {
+            let from = schedule.queues[crossing.from] as usize;
+            mine[from] = mine[from].max(crossing.from + 1);
+            let known = done[crossing.from];
+            (0..3).for_each(|queue| mine[queue] = mine[queue].max(known[queue]));
+        }
+        done[step] = *mine;
+    }
+    done
+}
+
+/// When each part of each resource is in use, parts of equal lifetime together.
+pub(super) fn report(versions: &Versions, history: &History, resources: usize) -> Vec<Lifetime> {
+    let mut lifetimes = Vec::with_capacity(resources);
+    for resource in (0..resources as u32).map(ResourceId) {
+        let mut spans: Vec<([usize; 2], Vec<u32>)> = Vec::new();
+        for cell in versions.cells.of(resource) {
+            let groups = history.of(cell).iter();
+            let steps = groups.flat_map(|group| [group.first, group.last]).filter_map(At::index);
+            let (first, last) = steps.fold((usize::MAX, 0), |(a, b), step| (a.min(step), b.max(step)));
+            if first <= last {
+                match spans.iter_mut().find(|(span, _)| *span == [first, last]) {
+                    Some((_, cells)) => cells.push(cell),
+                    None => spans.push(([first, last], vec![cell])),
+                }
+            }
+        }
+        for (steps, cells) in spans {
+            let ranges = versions.cells.ranges(&cells).into_iter();
+            lifetimes.extend(ranges.map(|range| Lifetime { resource, range, steps }));
+        }
+    }
+    lifetimes
+}

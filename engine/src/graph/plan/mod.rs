@@ -1,0 +1,166 @@
+//! Planning: from a description to a plan. Pure functions over plain data.
+
+mod barriers;
+mod cells;
+mod cull;
+mod dependencies;
+mod device;
+mod history;
+mod lifetimes;
+mod order;
+mod output;
+mod place;
+mod queues;
+mod reason;
+mod redundant;
+mod usage;
+mod validate;
+mod versions;
+
+pub use device::{DeviceModel, Requirements, Usage};
+pub use output::{
+    Barriers, Batch, BufferBarrier, Heap, ImageBarrier, Lifetime, MemoryBarrier, Ownership, Placement, Plan,
+    Statistics, Step, Wait, Work,
+};
+pub use reason::{CullReason, Hazard, Reason};
+
+use ash::vk::ImageLayout as Layout;
+
+use self::barriers::Context;
+use self::dependencies::{Dependencies, events};
+use self::history::History;
+use self::queues::Families;
+use super::description::{Access, Description, Origin, Queue};
+use super::errors::GraphErrors;
+
+/// Plans a frame for a device.
+///
+/// # Errors
+/// All that is wrong with the description, at once.
+pub fn plan(description: &Description, device: &dyn DeviceModel) -> Result<Plan, GraphErrors> {
+    // 1. Find everything that is wrong.
+    let versions = validate::validate(description, device)?;
+
+    // 2. Leave out what no root and no side effect needs.
+    let (live, culled) = cull::cull(description, &versions);
+    cull::check_kept(description, &versions, &live)?;
+
+    // 3. What each resource is used for, and the memory it takes.
+    let usages = usage::usages(description, &live);
+    let requirements = requirements(description, device, &usages);
+    let bytes: Vec<u64> = requirements.iter().map(|needs| needs.map_or(0, |needs| needs.size.max(1))).collect();
+
+    // 4. Put passes and read-backs in order.
+    let nodes = description.passes.len() + description.roots.len();
+    let dependencies = Dependencies::new(&events(description, &versions, &live), nodes);
+    let order = order::order(description, &dependencies, &live, &bytes);
+
+    // 5. Give each a queue.
+    let families = Families::new(device);
+    let schedule = queues::assign(description, &versions, order, &families);
+
+    // 6. What happens to each cell, and when each resource is alive.
+    let history = History::new(description, &versions, &schedule);
+    let crossings = barriers::crossings(&history, versions.cells.len(), schedule.nodes.len());
+    let lifetimes = lifetimes::Lifetimes::new(description, &versions, &history, &schedule, &crossings);
+
+    // 7. Give transients their memory.
+    let placed = place::place(description, device, &requirements, &lifetimes);
+
+    // 8. Put barriers between, and steps together.
+    let context = Context { description, versions: &versions, history: &history, schedule: &schedule, families };
+    let pending = barriers::pending(&context, &placed);
+    let batches = queues::batches(&schedule, crossings, &context.takers(&pending));
+    let steps = (0..schedule.nodes.len())
+        .map(|step| Step { work: schedule.work(step), queue: schedule.queues[step], barriers: Barriers::default() })
+        .collect();
+
+    let mut plan = Plan {
+        steps,
+        batches,
+        finally: Barriers::default(),
+        culled,
+        placements: placed.placements,
+        heaps: placed.heaps,
+        usages,
+        lifetimes: lifetimes::report(&versions, &history, description.resources.len()),
+        statistics: Statistics {
+            lower_bound_bytes: placed.lower_bound,
+            unaliased_bytes: placed.unaliased,
+            ..Statistics::default()
+        },
+    };
+    attach(&mut plan, &context, &pending);
+    show_host(&mut plan);
+    drop_redundant(&mut plan);
+    plan.statistics.count(&plan.steps, &plan.batches, &plan.finally, &plan.heaps);
+    Ok(plan)
+}
+
+/// Memory of every transient that is used.
+fn requirements(
+    description: &Description,
+    device: &dyn DeviceModel,
+    usages: &[Option<Usage>],
+) -> Vec<Option<Requirements>> {
+    let resources = description.resources.iter().zip(usages);
+    let transients = resources.map(|(resource, usage)| usage.filter(|_| resource.origin == Origin::Transient));
+    let shapes = description.resources.iter().map(|resource| &resource.shape);
+    transients.zip(shapes).map(|(usage, shape)| Some(device.requirements(shape, usage?))).collect()
+}
+
+/// Puts each barrier before its step, at the end of its batch, or at the end of the frame.
+fn attach(plan: &mut Plan, context: &Context, pending: &[barriers::Pending]) {
+    let mut batch_of = vec![0; plan.steps.len()];
+    for (index, batch) in plan.batches.iter().enumerate() {
+        batch.steps.iter().for_each(|&step| batch_of[step] = index);
+    }
+    for place in pending.chunk_by(|a, b| (a.at, a.release) == (b.at, b.release)) {
+        let barriers = match (place[0].release, place[0].at.index()) {
+            (true, step) => &mut plan.batches[step.map_or(0, |step| batch_of[step])].release,
+            (false, Some(step)) => &mut plan.steps[step].barriers,
+            (false, None) => &mut plan.finally,
+        };
+        barriers::together(context, place, barriers);
+    }
+}
+
+/// Makes read-backs visible to the host.
+fn show_host(plan: &mut Plan) {
+    let read_backs = plan.steps.iter().map(|step| step.work).filter(|work| matches!(work, Work::ReadBack(_)));
+    if let Some(before) = read_backs.last() {
+        let reason = Reason { hazard: Hazard::Host, resource: None, before: Some(before), after: None };
+        let no_layout = |access: Access| Access { layout: Layout::UNDEFINED, ..access };
+        let (from, to) = (no_layout(Access::copy_write()), no_layout(Access::host_read()));
+        plan.finally.memory.push(MemoryBarrier { from, to, reason });
+    }
+}
+
+/// Takes out dependencies that follow from others, queue by queue.
+fn drop_redundant(plan: &mut Plan) {
+    let mut places: std::collections::HashMap<Work, (Queue, u32)> = std::collections::HashMap::new();
+    let mut ordered = [redundant::Ordered::default(), redundant::Ordered::default(), redundant::Ordered::default()];
+    let mut counts = [0; 3];
+    for step in &mut plan.steps {
+        let queue = step.queue as usize;
+        let last = |work: Work| places.get(&work).filter(|place| place.0 == step.queue).map(|place| place.1);
+        if !step.barriers.is_empty() {
+            ordered[queue].filter(&mut step.barriers, counts[queue], last);
+        }
+        counts[queue] += 1;
+        places.insert(step.work, (step.queue, counts[queue]));
+    }
+}
+
+impl Statistics {
+    fn count(&mut self, steps: &[Step], batches: &[Batch], finally: &Barriers, heaps: &[Heap]) {
+        self.heap_bytes = heaps.iter().map(|heap| heap.size).sum();
+        let all = steps.iter().map(|step| &step.barriers).chain(batches.iter().map(|batch| &batch.release));
+        for barriers in all.chain([finally]).filter(|barriers| !barriers.is_empty()) {
+            self.barrier_calls += 1;
+            self.image_barriers += barriers.images.len();
+            self.buffer_barriers += barriers.buffers.len();
+            self.memory_barriers += barriers.memory.len();
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! The order of passes and read-backs.
+//!
+//! Passes are taken one by one from those that wait for nobody any more. The best one comes at least one pass after
+//! those it waited for, so that the device has something to do in between (the idea of Granite's render graph); then
+//! the one that frees the most memory, or takes the least; then the one recorded first. Read-backs come when nothing
+//! else can: at the end, or where a pass waits to write over what they copy.
+
+use super::dependencies::{Dependencies, Node};
+use crate::graph::description::{Description, ResourceId};
+
+/// Passes that stand between a pass and the last one it waited for; more are no better.
+const APART: usize = 1;
+
+/// How many of the passes that could come next are looked at, in recorded order: bounds the cost of wide frames.
+const WINDOW: usize = 64;
+
+/// Every live node, in an order that satisfies the dependencies. `bytes`: by resource, what a transient takes, 0 for
+/// others.
+pub(super) fn order(description: &Description, dependencies: &Dependencies, live: &[bool], bytes: &[u64]) -> Vec<Node> {
+    let passes = description.passes.len();
+    let is_live = |node: Node| match (node as usize).checked_sub(passes) {
+        None => live[node as usize],
+        Some(root) => description.roots[root].read_back,
+    };
+    let mut waits = dependencies.counts();
+    let nodes = 0..waits.len() as Node;
+    let mut ready: Vec<Node> = nodes.filter(|&node| is_live(node) && waits[node as usize] == 0).collect();
+    // By node: the first place in the order that is far enough from all it waited for.
+    let mut apart = vec![0; waits.len()];
+    let mut memory = Memory::new(description, &is_live, bytes);
+    let mut order = Vec::with_capacity(ready.len());
+    while !ready.is_empty() {
+        let window = &ready[..ready.len().min(WINDOW)];
+        let score = |&node: &Node| {
+            let is_pass = (node as usize) < passes;
+            let near = apart[node as usize].max(order.len()) - order.len();
+            (is_pass, std::cmp::Reverse(near), memory.gain(node), std::cmp::Reverse(node))
+        };
+        let best = (0..window.len()).max_by_key(|&index| score(&window[index])).unwrap_or(0);
+        let node = ready.remove(best);
+        memory.run(node);
+        for &(after, _) in dependencies.after(node) {
+            let after = after as usize;
+            apart[after] = order.len() + 1 + APART;
+            waits[after] -= 1;
+            if waits[after] == 0 && is_live(after as Node) {
+                let place = ready.partition_point(|&other| other < after as Node);
+                ready.insert(place, after as Node);
+            }
+        }
+        order.push(node);
+    }
+    order
+}
+
+/// Which transients are alive.
+struct Memory<'a> {
+    bytes: &'a [u64],
+    /// By node: resources it uses, each once.
+    used: Vec<Vec<ResourceId>>,
+    /// By resource: nodes that still use it. Kept roots count as one.
+    left: Vec<u32>,
+    alive: Vec<bool>,
+}
+
+impl<'a> Memory<'a> {
+    fn new(description: &Description, is_live: impl Fn(Node) -> bool, bytes: &'a [u64]) -> Self {
+        let resource =
+            |version: crate::graph::description::VersionId| description.versions[version.0 as usize].resource;
+        let mut left = vec![0; description.resources.len()];
+        let passes = description.passes.iter().map(|pass| pass.uses.iter().map(|used| used.version).collect());
+        let roots = description.roots.iter().map(|root| vec![root.version]);
+        let mut used: Vec<Vec<ResourceId>> = Vec::new();
+        for (node, versions) in passes.chain(roots).enumerate() {
+            let mut resources: Vec<_> = Vec::new();
+            if is_live(node as Node) {
+                let transients = versions.into_iter().map(resource).filter(|id| bytes[id.0 as usize] > 0);
+                resources = transients.collect();
+                resources.sort_unstable();
+                resources.dedup();
+            }
+            resources.iter().for_each(|id| left[id.0 as usize] += 1);
+            used.push(resources);
+        }
+        for root in description.roots.iter().filter(|root| !root.read_back) {
+            left[resource(root.version).0 as usize] += 1;
+        }
+        Self { bytes, used, left, alive: vec![false; description.resources.len()] }
+    }
+
+    /// Bytes that running a node frees, less those it takes.
+    fn gain(&self, node: Node) -> i128 {
+        let change = |id: &ResourceId| {
+            let index = id.0 as usize;
+            let bytes = i128::from(self.bytes[index]);
+            let freed = if self.left[index] == 1 { bytes } else { 0 };
+            freed - if self.alive[index] { 0 } else { bytes }
+        };
+        self.used[node as usize].iter().map(change).sum()
+    }
+
+    fn run(&mut self, node: Node) {
+        for id in &self.used[node as usize] {
+            self.alive[id.0 as usize] = true;
+            self.left[id.0 as usize] -= 1;
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! Which queue each step runs on, and how steps are put together into submissions.
+
+use ash::vk::PipelineStageFlags2 as Stages;
+
+use super::dependencies::Node;
+use super::history::Schedule;
+use super::versions::Versions;
+use super::{Barriers, Batch, DeviceModel, Wait};
+use crate::graph::description::{Description, Queue, VersionId};
+
+/// All kinds of queues, by their number.
+pub(super) const QUEUES: [Queue; 3] = [Queue::Graphics, Queue::Compute, Queue::Transfer];
+
+/// Queue families of a device.
+#[derive(Clone, Copy)]
+pub(super) struct Families([Option<u32>; 3]);
+
+impl Families {
+    pub(super) fn new(device: &dyn DeviceModel) -> Self {
+        Self(QUEUES.map(|queue| device.family(queue)))
+    }
+
+    /// The family of a queue that steps run on.
+    pub(super) fn of(&self, queue: Queue) -> u32 {
+        self.0[queue as usize].or(self.0[0]).unwrap_or(0)
+    }
+
+    /// The queue that work for `queue` runs on.
+    fn actual(&self, queue: Queue) -> Queue {
+        if self.0[queue as usize].is_some() { queue } else { Queue::Graphics }
+    }
+}
+
+/// The queue of each step: the one its pass would like, where there is such a queue. Read-backs run on graphics.
+/// Unordered writers run on one queue, since they all own the resource at once.
+pub(super) fn assign(
+    description: &Description,
+    versions: &Versions,
+    nodes: Vec<Node>,
+    families: &Families,
+) -> Schedule {
+    let passes = description.passes.len();
+    let mut queues: Vec<Queue> = Vec::with_capacity(nodes.len());
+    for &node in &nodes {
+        let queue = description.passes.get(node as usize).map_or(Queue::Graphics, |pass| pass.queue);
+        queues.push(families.actual(queue));
+    }
+    let mut writers: Vec<(VersionId, usize)> = Vec::new();
+    for (step, &node) in nodes.iter().enumerate().filter(|(_, node)| (**node as usize) < passes) {
+        let made = description.passes[node as usize].uses.iter().filter_map(|used| used.makes);
+        writers.extend(made.filter_map(|made| versions.fork[made.0 as usize]).map(|fork| (fork, step)));
+    }
+    writers.sort_unstable();
+    // A writer of two forks may draw the one to graphics after the other was looked at: until nothing changes.
+    let mut changed = true;
+    while std::mem::take(&mut changed) {
+        for group in writers.chunk_by(|a, b| a.0 == b.0) {
+            let first = queues[group[0].1];
+            if group.iter().any(|&(_, step)| queues[step] != first) {
+                changed = true;
+                group.iter().for_each(|&(_, step)| queues[step] = Queue::Graphics);
+            }
+        }
+    }
+    Schedule { nodes, queues, passes }
+}
+
+/// A step that waits for a step of another queue. The end of the frame is a step of its own, after all others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Crossing {
+    /// Who waits.
+    pub(super) to: usize,
+    /// For whom.
+    pub(super) from: usize,
+}
+
+/// Puts steps together: a batch ends behind a step that another queue waits for, and begins before one that waits.
+/// Where `hand_over` names queues, a batch of graphics goes first, to give imported resources to them.
+pub(super) fn batches(schedule: &Schedule, mut crossings: Vec<Crossing>, hand_over: &[Queue]) -> Vec<Batch> {
+    crossings.sort_unstable();
+    crossings.dedup();
+    let steps = schedule.nodes.len();
+    let mut signals = vec![false; steps];
+    crossings.iter().for_each(|crossing| signals[crossing.from] = true);
+
+    let mut batches: Vec<Batch> = Vec::new();
+    // By queue: the batch that still takes steps, batches begun, and the last value waited for of each other queue.
+    let mut open: [Option<usize>; 3] = [None; 3];
+    let mut begun = [0; 3];
+    let mut waited = [[0; 3]; 3];
+    // By step: the value its queue signals behind it.
+    let mut values = vec![0; steps];
+    let begin = |queue: Queue, begun: &mut [u64; 3], waits: Vec<Wait>| {
+        begun[queue as usize] += 1;
+        Batch { queue, steps: Vec::new(), waits, release: Barriers::default(), signal: begun[queue as usize] }
+    };
+    if !hand_over.is_empty() {
+        batches.push(begin(Queue::Graphics, &mut begun, Vec::new()));
+    }
+    let mut crossings = crossings.into_iter().peekable();
+    for step in 0..=steps {
+        let queue = schedule.queues.get(step).copied().unwrap_or_default();
+        let mut needed = [0; 3];
+        while let Some(crossing) = crossings.next_if(|crossing| crossing.to == step) {
+            let other = schedule.queues[crossing.from] as usize;
+            needed[other] = values[crossing.from].max(needed[other]);
+        }
+        if hand_over.contains(&queue) {
+            needed[0] = needed[0].max(1);
+        }
+        if step == steps {
+            // The frame ends when every queue is done.
+            needed = begun;
+            needed[0] = 0;
+        }
+        let mut waits = Vec::new();
+        for other in QUEUES {
+            let known = &mut waited[queue as usize][other as usize];
+            if needed[other as usize] > *known {
+                *known = needed[other as usize];
+                waits.push(Wait { queue: other, value: *known, stages: Stages::ALL_COMMANDS });
+            }
+        }
+        let place = match open[queue as usize] {
+            Some(place) if waits.is_empty() => place,
+            _ if step == steps && waits.is_empty() && batches.last().is_some_and(|last| last.queue == queue) => break,
+            _ => {
+                batches.push(begin(queue, &mut begun, waits));
+                batches.len() - 1
+            }
+        };
+        if step == steps {
+            // Its place is behind all others.
+            if place + 1 != batches.len() {
+                batches.push(begin(queue, &mut begun, Vec::new()));
+            }
+            break;
+        }
+        batches[place].steps.push(step);
+        values[step] = batches[place].signal;
+        open[queue as usize] = (!signals[step]).then_some(place);
+    }
+    batches
+}

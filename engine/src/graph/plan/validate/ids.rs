@@ -1,0 +1,198 @@
+//! Names, shapes, ids and ranges.
+
+use std::collections::HashMap;
+
+use ash::vk;
+
+use super::{Errors, Place};
+use crate::graph::description::{Origin, Range, ResourceId, Shape, Source, Version, VersionId};
+use crate::graph::errors::ErrorKind;
+
+/// Names are unique among passes, among resources and among read-backs.
+pub(super) fn names(errors: &mut Errors) {
+    let description = errors.description;
+    let read_backs = description.roots.iter().filter(|root| root.read_back).map(|root| &root.name);
+    let lists: [(&str, Vec<&String>); 3] = [
+        ("passes", description.passes.iter().map(|pass| &pass.name).collect()),
+        ("resources", description.resources.iter().map(|resource| &resource.name).collect()),
+        ("captures", read_backs.collect()),
+    ];
+    for (what, names) in lists {
+        let mut counts: HashMap<&String, usize> = HashMap::with_capacity(names.len());
+        names.iter().for_each(|name| *counts.entry(name).or_default() += 1);
+        if counts.len() == names.len() {
+            continue;
+        }
+        let mut doubled: Vec<_> = counts.into_iter().filter(|(_, count)| *count > 1).collect();
+        doubled.sort_unstable();
+        for (name, count) in doubled {
+            let wrong = format!("{count} {what} are named `{name}`");
+            errors.add(ErrorKind::DuplicateName, Place::default(), wrong, "each needs a name of its own");
+        }
+    }
+}
+
+/// Sizes and states.
+pub(super) fn resources(errors: &mut Errors) {
+    let description = errors.description;
+    for (index, resource) in description.resources.iter().enumerate() {
+        let place = Place::resource(ResourceId(index as u32));
+        match &resource.shape {
+            Shape::Buffer { size: 0 } => {
+                errors.add(ErrorKind::BadShape, place, "a buffer of 0 bytes", "a buffer has at least one");
+            }
+            Shape::Buffer { .. } => {}
+            Shape::Image(shape) => {
+                let [width, height, depth] = shape.extent;
+                if [width, height, depth, shape.layers].contains(&0) {
+                    let wrong = format!("an image of {width}x{height}x{depth} texels and {} layers", shape.layers);
+                    errors.add(ErrorKind::BadShape, place, wrong, "each is at least 1");
+                }
+                let most = u32::BITS - width.max(height).max(depth).leading_zeros();
+                if shape.mips == 0 || shape.mips > most.max(1) {
+                    let wrong = format!("{} mip levels for {width}x{height}x{depth} texels", shape.mips);
+                    errors.add(ErrorKind::BadShape, place, wrong, format!("1 to {} are allowed", most.max(1)));
+                }
+                if depth > 1 && shape.layers > 1 {
+                    let wrong = format!("{} layers of a 3D image", shape.layers);
+                    errors.add(ErrorKind::BadShape, place, wrong, "a 3D image has 1");
+                }
+                if !shape.samples.is_power_of_two() || shape.samples > 64 {
+                    let wrong = format!("{} samples a texel", shape.samples);
+                    errors.add(ErrorKind::BadShape, place, wrong, "1, 2, 4, 8, 16, 32 or 64 are allowed");
+                }
+                if shape.format == vk::Format::UNDEFINED {
+                    errors.add(ErrorKind::BadShape, place, "an image without a format", "give it one");
+                }
+            }
+        }
+        let undefined = [vk::ImageLayout::UNDEFINED, vk::ImageLayout::PREINITIALIZED];
+        if let (Shape::Image(_), Origin::Imported { after: Some(after), .. }) = (&resource.shape, &resource.origin)
+            && undefined.contains(&after.layout)
+        {
+            let wrong = format!("is to be left in layout {:?}", after.layout);
+            errors.add(ErrorKind::BadImport, place, wrong, "any layout but UNDEFINED and PREINITIALIZED is allowed");
+        }
+    }
+}
+
+/// Ids, order and ranges of versions. Gives those that fail, or that are made from one that fails.
+pub(super) fn versions(errors: &mut Errors) -> Vec<bool> {
+    let description = errors.description;
+    let mut broken = vec![false; description.versions.len()];
+    let mut initial = vec![0; description.resources.len()];
+    for (index, version) in description.versions.iter().enumerate() {
+        let count = errors.list.len();
+        if let Some(resource) = description.resources.get(version.resource.0 as usize) {
+            range(errors, version, &resource.shape.whole());
+            if version.source == Source::Initial {
+                initial[version.resource.0 as usize] += 1;
+                if version.range != resource.shape.whole() && errors.list.len() == count {
+                    let wrong = format!("its first version covers {}", describe(&version.range));
+                    let allowed = format!("it covers all: {}", describe(&resource.shape.whole()));
+                    errors.add(ErrorKind::BadInitial, Place::resource(version.resource), wrong, allowed);
+                }
+            }
+        } else {
+            let wrong = format!("version {index} is of resource {}, which there is not", version.resource.0);
+            let allowed = format!("the description has {} resources", description.resources.len());
+            errors.add(ErrorKind::UnknownId, Place::default(), wrong, allowed);
+        }
+        let sources: &[VersionId] = match &version.source {
+            Source::Initial => &[],
+            Source::Pass { from, .. } => std::slice::from_ref(from),
+            Source::Split { of } | Source::Fork { of } => std::slice::from_ref(of),
+            Source::Join { of } => of,
+        };
+        sources.iter().for_each(|&source| made_from(errors, index, version, source));
+        if let Source::Pass { pass, .. } = version.source {
+            made_by(errors, index, version, pass.0);
+        }
+        broken[index] = errors.list.len() > count || sources.iter().any(|source| broken[source.0 as usize]);
+    }
+    for (index, &count) in initial.iter().enumerate().filter(|(_, count)| **count != 1) {
+        let place = Place::resource(ResourceId(index as u32));
+        errors.add(ErrorKind::BadInitial, place, format!("has {count} first versions"), "it has exactly one");
+    }
+    broken
+}
+
+/// A range lies in its resource and holds something.
+fn range(errors: &mut Errors, version: &Version, whole: &Range) {
+    let inside = match (version.range, *whole) {
+        (Range::Buffer([first, end]), Range::Buffer([_, size])) => first < end && end <= size,
+        (Range::Image { aspects, mips, layers }, Range::Image { aspects: all, mips: [_, m], layers: [_, l] }) => {
+            let within = |[first, end]: [u32; 2], size| first < end && end <= size;
+            !aspects.is_empty() && all.contains(aspects) && within(mips, m) && within(layers, l)
+        }
+        _ => false,
+    };
+    if !inside {
+        let wrong = format!("{} is not a part of it", describe(&version.range));
+        let allowed = format!("it has {}", describe(whole));
+        errors.add(ErrorKind::BadRange, Place::resource(version.resource), wrong, allowed);
+    }
+}
+
+/// What a version is made from comes before it, is of the same resource, and holds its range.
+fn made_from(errors: &mut Errors, index: usize, version: &Version, source: VersionId) {
+    let place = Place::resource(version.resource);
+    let Some(from) = errors.description.versions.get(source.0 as usize) else {
+        let wrong = format!("version {index} is made from version {}, which there is not", source.0);
+        let allowed = format!("the description has {} versions", errors.description.versions.len());
+        return errors.add(ErrorKind::UnknownId, place, wrong, allowed);
+    };
+    if source.0 as usize >= index {
+        let wrong = format!("version {index} is made from version {}", source.0);
+        return errors.add(ErrorKind::BadVersion, place, wrong, "a version is made from versions recorded before it");
+    }
+    if from.resource != version.resource {
+        let other = &errors.description.resources.get(from.resource.0 as usize).map_or("?", |known| &known.name);
+        let wrong = format!("version {index} is made from version {} of `{other}`", source.0);
+        return errors.add(ErrorKind::BadVersion, place, wrong, "a version is made from versions of its own resource");
+    }
+    let (wrong, allowed) = match version.source {
+        Source::Pass { .. } | Source::Fork { .. } if version.range != from.range => {
+            ("does not cover", "a written or forked version covers what it is made from")
+        }
+        Source::Split { .. } if !holds(&from.range, &version.range) => ("is split from", "a part lies in its whole"),
+        Source::Join { .. } if !holds(&version.range, &from.range) => {
+            ("leaves out some of", "a joined version holds all of its parts")
+        }
+        _ => return,
+    };
+    let wrong = format!("{} {wrong} {}", describe(&version.range), describe(&from.range));
+    errors.add(ErrorKind::BadVersion, place, wrong, allowed);
+}
+
+/// A version is made by the use that says so.
+fn made_by(errors: &mut Errors, index: usize, version: &Version, pass: u32) {
+    let place = Place::resource(version.resource);
+    let Some(pass) = errors.description.passes.get(pass as usize) else {
+        let wrong = format!("version {index} is made by pass {pass}, which there is not");
+        let allowed = format!("the description has {} passes", errors.description.passes.len());
+        return errors.add(ErrorKind::UnknownId, place, wrong, allowed);
+    };
+    let Source::Pass { from, .. } = version.source else { return };
+    let makers = pass.uses.iter().filter(|used| used.makes == Some(VersionId(index as u32)) && used.version == from);
+    let count = makers.count();
+    if count != 1 {
+        let wrong = format!("{count} of its uses make version {index} from version {}", from.0);
+        let place = Place { pass: Some(pass), ..place };
+        errors.add(ErrorKind::BadVersion, place, wrong, "exactly one use makes it");
+    }
+}
+
+fn holds(whole: &Range, part: &Range) -> bool {
+    whole.hull(*part) == *whole
+}
+
+/// A range in words.
+pub(super) fn describe(range: &Range) -> String {
+    match range {
+        Range::Image { aspects, mips: [m, mips], layers: [l, layers] } => {
+            format!("mips {m}..{mips}, layers {l}..{layers}, aspects {aspects:?}")
+        }
+        Range::Buffer([first, end]) => format!("bytes {first}..{end}"),
+    }
+}

@@ -1,0 +1,87 @@
+//! Finds all that is wrong with a description.
+
+mod ids;
+mod order;
+mod uses;
+mod versions;
+
+use super::DeviceModel;
+use super::versions::Versions;
+use crate::graph::description::{Description, Pass, ResourceId};
+use crate::graph::errors::{ErrorKind, GraphError, GraphErrors};
+
+/// Checks everything; what depends on a wrong thing is not checked further.
+pub(super) fn validate(description: &Description, device: &dyn DeviceModel) -> Result<Versions, GraphErrors> {
+    let mut errors = Errors { description, list: Vec::new() };
+
+    // 1. Names, shapes, states of imported resources.
+    ids::names(&mut errors);
+    ids::resources(&mut errors);
+
+    // 2. Ids and ranges. A version that fails is left out of what follows.
+    let broken = ids::versions(&mut errors);
+    let versions = Versions::new(description, broken);
+
+    // 3. How versions are made: splits, joins, forks.
+    versions::joins(&mut errors, &versions);
+    versions::forks(&mut errors, &versions);
+
+    // 4. Passes, use by use and two by two.
+    for pass in &description.passes {
+        uses::pass(&mut errors, &versions, pass, device);
+        uses::pairs(&mut errors, &versions, pass);
+    }
+
+    // 5. Roots.
+    versions::roots(&mut errors, &versions);
+
+    // 6. Writers of one version, and circles.
+    order::check(&mut errors, &versions);
+
+    errors.finish(versions)
+}
+
+/// Errors so far.
+struct Errors<'a> {
+    description: &'a Description,
+    list: Vec<GraphError>,
+}
+
+/// Where an error is.
+#[derive(Clone, Copy, Default)]
+struct Place<'a> {
+    pass: Option<&'a Pass>,
+    slot: Option<&'a str>,
+    resource: Option<ResourceId>,
+}
+
+impl<'a> Place<'a> {
+    fn resource(resource: ResourceId) -> Self {
+        Place { resource: Some(resource), ..Place::default() }
+    }
+
+    fn pass(pass: &'a Pass) -> Self {
+        Place { pass: Some(pass), ..Place::default() }
+    }
+}
+
+impl<'a> Errors<'a> {
+    fn add(&mut self, kind: ErrorKind, place: Place, wrong: impl Into<String>, allowed: impl Into<String>) {
+        let resource = place.resource.and_then(|id| self.description.resources.get(id.0 as usize));
+        self.list.push(GraphError {
+            kind,
+            pass: place.pass.map(|pass| pass.name.clone()),
+            slot: place.slot.map(Into::into),
+            resource: resource.map(|resource| resource.name.clone()),
+            wrong: wrong.into(),
+            allowed: allowed.into(),
+        });
+    }
+
+    fn finish<T>(self, value: T) -> Result<T, GraphErrors> {
+        if self.list.is_empty() {
+            return Ok(value);
+        }
+        Err(GraphErrors { graph: self.description.name.clone(), errors: self.list })
+    }
+}

@@ -1,0 +1,184 @@
+//! Uses of passes: each by itself, and two of one pass together.
+
+use ash::vk::{self, AccessFlags2 as Mask, PipelineStageFlags2 as Stages};
+
+use super::{Errors, Place};
+use crate::graph::description::{ImageShape, Pass, Queue, Range, Shape, Use};
+use crate::graph::errors::ErrorKind;
+use crate::graph::plan::usage::{COMPUTE_STAGES, KINDS, Kind, TRANSFER_STAGES, usage_of};
+use crate::graph::plan::versions::Versions;
+use crate::graph::plan::{DeviceModel, Usage};
+
+/// A pass does something, and each of its uses can be.
+pub(super) fn pass(errors: &mut Errors, versions: &Versions, pass: &Pass, device: &dyn DeviceModel) {
+    if pass.uses.is_empty() && pass.side_effect.is_none() {
+        let allowed = "it reads or writes something, or has a side effect";
+        errors.add(ErrorKind::EmptyPass, Place::pass(pass), "uses nothing", allowed);
+    }
+    for used in &pass.uses {
+        let place = Place { slot: Some(&used.slot), ..Place::pass(pass) };
+        if !ids(errors, place, used) || !versions.is_known(used.version) {
+            continue;
+        }
+        let version = &errors.description.versions[used.version.0 as usize];
+        let place = Place { resource: Some(version.resource), ..place };
+        let reads = used.reads || used.makes.is_none();
+        if reads && !versions.is_defined(used.version) {
+            let allowed = "write it first, or say that its earlier contents do not matter";
+            errors.add(ErrorKind::ReadBeforeWrite, place, "reads what nobody has written", allowed);
+        }
+        if used.makes.is_none() && versions.fork[used.version.0 as usize].is_some() {
+            let allowed = "join the unordered writers first";
+            errors.add(ErrorKind::BadFork, place, "reads the version of one unordered writer", allowed);
+        }
+        writes(errors, place, used);
+        match (&errors.description.resources[version.resource.0 as usize].shape, version.range) {
+            (Shape::Image(shape), Range::Image { aspects, .. }) => image(errors, place, shape, aspects, used, device),
+            _ => buffer(errors, place, used),
+        }
+        stages(errors, place, used);
+        queue(errors, place, pass.queue, used);
+    }
+}
+
+/// Ids of a use: the version it names, and the one it makes, which says so itself.
+fn ids(errors: &mut Errors, place: Place, used: &Use) -> bool {
+    let versions = &errors.description.versions;
+    let count = versions.len();
+    for id in [Some(used.version), used.makes].into_iter().flatten() {
+        if id.0 as usize >= count {
+            let wrong = format!("uses version {}, which there is not", id.0);
+            errors.add(ErrorKind::UnknownId, place, wrong, format!("the description has {count} versions"));
+            return false;
+        }
+    }
+    let Some(made) = used.makes else { return true };
+    let passes = &errors.description.passes;
+    let by = match versions[made.0 as usize].source {
+        crate::graph::description::Source::Pass { pass, .. } => passes.get(pass.0 as usize),
+        _ => None,
+    };
+    let same = by.zip(place.pass).is_some_and(|(by, pass)| std::ptr::eq(by, pass));
+    if !same {
+        let wrong = format!("makes version {}, which is not of its making", made.0);
+        errors.add(ErrorKind::BadVersion, place, wrong, "a use makes a version whose source is its pass");
+    }
+    same
+}
+
+/// Whoever writes makes a version, and the other way round.
+fn writes(errors: &mut Errors, place: Place, used: &Use) {
+    let writes = used.access.writes();
+    if used.makes.is_none() && !writes.is_empty() {
+        let wrong = format!("writes ({writes:?}) but makes no version");
+        errors.add(ErrorKind::WriteMismatch, place, wrong, "a use that writes makes the next version");
+    }
+    if used.makes.is_some() && writes.is_empty() {
+        let wrong = format!("makes a version but does not write ({:?})", used.access.mask);
+        errors.add(ErrorKind::WriteMismatch, place, wrong, "a use that only reads makes no version");
+    }
+}
+
+fn image(
+    errors: &mut Errors,
+    place: Place,
+    shape: &ImageShape,
+    aspects: vk::ImageAspectFlags,
+    used: &Use,
+    device: &dyn DeviceModel,
+) {
+    let format = shape.format;
+    for kind in kinds(errors, place, used, |kind| kind.on().0, "an image") {
+        if !kind.aspects.contains(aspects) {
+            let wrong = format!("{:?} on aspects {aspects:?} of format {format:?}", kind.mask);
+            errors.add(ErrorKind::WrongUsage, place, wrong, format!("it works on {:?}", kind.aspects));
+        }
+        if !kind.layouts.contains(&used.access.layout) {
+            let wrong = format!("{:?} in layout {:?}", kind.mask, used.access.layout);
+            errors.add(ErrorKind::WrongUsage, place, wrong, format!("it works in {:?}", kind.layouts));
+        }
+        let allowed = device.image_usages(format);
+        if let Usage::Image(usage) = usage_of(&Shape::Image(*shape), &used.access)
+            && let usage = usage & kind.usage()
+            && !allowed.contains(usage)
+        {
+            let wrong = format!("the device does not allow {usage:?} for format {format:?}");
+            errors.add(ErrorKind::WrongUsage, place, wrong, format!("it allows {allowed:?}"));
+        }
+    }
+}
+
+fn buffer(errors: &mut Errors, place: Place, used: &Use) {
+    kinds(errors, place, used, |kind| kind.on().1, "a buffer");
+}
+
+/// What the mask asks for, where the kind of resource allows it.
+fn kinds(
+    errors: &mut Errors,
+    place: Place,
+    used: &Use,
+    fits: impl Fn(&Kind) -> bool,
+    what: &str,
+) -> Vec<&'static Kind> {
+    let allowed: Vec<_> = KINDS.iter().filter(|kind| fits(kind)).collect();
+    let all = allowed.iter().fold(Mask::NONE, |all, kind| all | kind.mask);
+    let odd = used.access.mask & !all;
+    if !odd.is_empty() || used.access.mask.is_empty() {
+        let wrong = if odd.is_empty() { "uses nothing of".into() } else { format!("{odd:?} on") };
+        errors.add(ErrorKind::WrongUsage, place, format!("{wrong} {what}"), format!("allowed are {all:?}"));
+    }
+    allowed.into_iter().filter(|kind| used.access.mask.contains(kind.mask)).collect()
+}
+
+/// Each access has a stage that can do it.
+fn stages(errors: &mut Errors, place: Place, used: &Use) {
+    for kind in KINDS.iter().filter(|kind| used.access.mask.contains(kind.mask)) {
+        if !kind.stages.intersects(used.access.stages) {
+            let wrong = format!("{:?} by stages {:?}", kind.mask, used.access.stages);
+            errors.add(ErrorKind::WrongUsage, place, wrong, format!("it is done by {:?}", kind.stages));
+        }
+    }
+}
+
+/// The queue that a pass asks for has the stages it uses.
+fn queue(errors: &mut Errors, place: Place, queue: Queue, used: &Use) {
+    let allowed = match queue {
+        Queue::Graphics => return,
+        Queue::Compute => COMPUTE_STAGES,
+        Queue::Transfer => TRANSFER_STAGES,
+    };
+    let odd: Stages = used.access.stages & !allowed;
+    if !odd.is_empty() {
+        let wrong = format!("stages {odd:?} on the {queue:?} queue");
+        errors.add(ErrorKind::WrongQueue, place, wrong, format!("it has {allowed:?}; the Graphics queue has all"));
+    }
+}
+
+/// Two uses of one pass that share a cell: both read one version in one layout.
+pub(super) fn pairs(errors: &mut Errors, versions: &Versions, pass: &Pass) {
+    let known = |used: &&Use| versions.is_known(used.version);
+    for (index, a) in pass.uses.iter().enumerate().filter(|(_, used)| known(used)) {
+        for b in pass.uses[..index].iter().filter(known) {
+            let version = &errors.description.versions[a.version.0 as usize];
+            let other = &errors.description.versions[b.version.0 as usize];
+            if version.resource != other.resource || !versions.overlap(a.version, b.version) {
+                continue;
+            }
+            let place = Place { slot: Some(&a.slot), resource: Some(version.resource), ..Place::pass(pass) };
+            let shape = &errors.description.resources[version.resource.0 as usize].shape;
+            let slot = &b.slot;
+            if a.makes.is_some() || b.makes.is_some() {
+                let wrong = format!("is also used by slot `{slot}`, and one of them writes");
+                let allowed = "what a pass writes it uses once; a storage access can read and write";
+                errors.add(ErrorKind::ConflictingUses, place, wrong, allowed);
+            } else if versions.epochs_differ(a.version, b.version) {
+                let wrong = format!("slot `{slot}` reads other contents of the same memory");
+                errors.add(ErrorKind::ConflictingUses, place, wrong, "a pass sees one version of a resource");
+            } else if matches!(shape, Shape::Image(_)) && a.access.layout != b.access.layout {
+                let wrong =
+                    format!("needs layout {:?} where slot `{slot}` needs {:?}", a.access.layout, b.access.layout);
+                errors.add(ErrorKind::ConflictingUses, place, wrong, "a pass sees an image in one layout");
+            }
+        }
+    }
+}

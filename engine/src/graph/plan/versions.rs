@@ -1,0 +1,96 @@
+//! What follows from how versions are made of one another, cell by cell: epochs and definedness.
+//!
+//! Each write of a cell begins an epoch of it: epoch 0 is what the frame began with. Splits, forks and joins begin
+//! none. Unordered writers share one.
+
+use super::cells::Cells;
+use crate::graph::description::{Description, Origin, Source, VersionId};
+
+/// Facts of versions.
+pub(super) struct Versions {
+    /// Cells of resources, and slots of versions.
+    pub(super) cells: Cells,
+    /// By slot: the epoch whose contents the version is.
+    pub(super) epoch: Vec<u32>,
+    /// By slot: whether anybody ever wrote the contents.
+    pub(super) defined: Vec<bool>,
+    /// By version: what it was forked from, where it was and is not joined yet.
+    pub(super) fork: Vec<Option<VersionId>>,
+    /// Versions that cannot be reasoned about.
+    pub(super) broken: Vec<bool>,
+}
+
+impl Versions {
+    /// Goes through versions in order; sources of a version that is not broken come before it.
+    pub(super) fn new(description: &Description, broken: Vec<bool>) -> Self {
+        let cells = Cells::new(description, &broken);
+        let mut facts = Self {
+            epoch: vec![0; cells.slot_count()],
+            defined: vec![false; cells.slot_count()],
+            fork: vec![None; description.versions.len()],
+            cells,
+            broken,
+        };
+        for (index, version) in description.versions.iter().enumerate() {
+            if facts.broken[index] {
+                continue;
+            }
+            facts.fork[index] = match &version.source {
+                Source::Fork { of } => Some(*of),
+                Source::Pass { from, .. } => facts.fork[from.0 as usize],
+                _ => None,
+            };
+            for slot in facts.cells.slots(index) {
+                let (epoch, defined) = facts.derive(description, &version.source, slot);
+                facts.epoch[slot] = epoch;
+                facts.defined[slot] = defined;
+            }
+        }
+        facts
+    }
+
+    fn derive(&self, description: &Description, source: &Source, slot: usize) -> (u32, bool) {
+        let cell = self.cells.cell(slot);
+        let at = |version: VersionId| {
+            let slot = self.cells.slot(version.0 as usize, cell);
+            slot.map_or((0, false), |slot| (self.epoch[slot], self.defined[slot]))
+        };
+        match source {
+            Source::Initial => {
+                let resource = &description.resources[self.cells.resource(cell).0 as usize];
+                let kept = match resource.origin {
+                    Origin::Transient => false,
+                    Origin::Imported { before, .. } => before.has_contents(&resource.shape),
+                };
+                (0, kept)
+            }
+            Source::Pass { from, .. } => (at(*from).0 + 1, true),
+            Source::Split { of } | Source::Fork { of } => at(*of),
+            Source::Join { of } => of.iter().map(|&part| at(part)).fold((0, false), |a, b| (a.0.max(b.0), a.1 || b.1)),
+        }
+    }
+
+    /// Whether a version can be reasoned about.
+    pub(super) fn is_known(&self, version: VersionId) -> bool {
+        self.broken.get(version.0 as usize) == Some(&false)
+    }
+
+    /// Whether all of a version's contents were written.
+    pub(super) fn is_defined(&self, version: VersionId) -> bool {
+        self.cells.slots(version.0 as usize).all(|slot| self.defined[slot])
+    }
+
+    /// Whether two versions share a cell.
+    pub(super) fn overlap(&self, a: VersionId, b: VersionId) -> bool {
+        let (a, b) = (self.cells.covered(a.0 as usize), self.cells.covered(b.0 as usize));
+        a.iter().any(|cell| b.binary_search(cell).is_ok())
+    }
+
+    /// Whether two versions share a cell but not its contents.
+    pub(super) fn epochs_differ(&self, a: VersionId, b: VersionId) -> bool {
+        self.cells.slots(a.0 as usize).any(|slot| {
+            let other = self.cells.slot(b.0 as usize, self.cells.cell(slot));
+            other.is_some_and(|other| self.epoch[slot] != self.epoch[other])
+        })
+    }
+}

@@ -1,0 +1,117 @@
+//! View sets: what a pass sees through. One view for a camera, several for cascades, cube faces or slices.
+
+use glam::{Mat4, Vec3, Vec4};
+
+use super::{Projection, View};
+use crate::geometry::{Aabb, Frustum};
+use crate::shader::generated::blocks;
+
+/// Most views of a set; `MAX_VIEWS` in `common/views.glsl`.
+pub const MAX_VIEWS: usize = 8;
+
+/// Views that one pass (or one pass each) draws into the layers of one target, in order.
+#[derive(Clone, Debug)]
+pub struct ViewSet {
+    views: Vec<View>,
+}
+
+impl ViewSet {
+    /// A set of these views.
+    pub fn new(views: Vec<View>) -> Self {
+        Self { views }
+    }
+
+    /// The views.
+    pub fn views(&self) -> &[View] {
+        &self.views
+    }
+
+    /// What each view sees.
+    pub fn frusta(&self) -> Vec<Frustum> {
+        self.views.iter().map(|view| Frustum::new(&view.clip_from_world())).collect()
+    }
+
+    /// The set as `common/views.glsl` reads it; its first [`MAX_VIEWS`] views.
+    pub fn block(&self) -> blocks::Views {
+        let mut block: blocks::Views = bytemuck::Zeroable::zeroed();
+        for (record, view) in block.views.iter_mut().zip(&self.views) {
+            *record = view.record();
+        }
+        block
+    }
+}
+
+impl From<View> for ViewSet {
+    fn from(view: View) -> Self {
+        Self::new(vec![view])
+    }
+}
+
+impl View {
+    /// A light's parallel view along `direction`: a square of `width` metres around `center`, from `toward` metres
+    /// before it to `beyond` metres behind it.
+    pub fn parallel(center: Vec3, direction: Vec3, width: f32, toward: f32, beyond: f32, size: [u32; 2]) -> Self {
+        let eye = center - direction * toward;
+        let projection = Projection::Orthographic { half_height: 0.5 * width, near: 0.0, far: toward + beyond };
+        Self::along(eye, direction, projection, size)
+    }
+
+    /// A square view from `eye` along `direction`, with an up vector that depends on the direction alone.
+    pub fn along(eye: Vec3, direction: Vec3, projection: Projection, size: [u32; 2]) -> Self {
+        let up = if direction.y.abs() < 0.99 { Vec3::Y } else { Vec3::Z };
+        let right = direction.cross(up).normalize();
+        let world_from_view = Mat4::from_cols(
+            right.extend(0.0),
+            right.cross(direction).extend(0.0),
+            (-direction).extend(0.0),
+            eye.extend(1.0),
+        );
+        Self {
+            size,
+            world_from_view,
+            view_from_world: world_from_view.inverse(),
+            clip_from_view: projection.clip_from_view(size[0] as f32 / size[1] as f32),
+        }
+    }
+
+    /// Distance of the near plane along the view axis, metres.
+    pub fn near(&self) -> f32 {
+        let p = self.clip_from_view;
+        // Solves z_clip = w_clip along the axis: p.z z + p.w = q.z z + q.w.
+        -(p.w_axis.w - p.w_axis.z) / (p.z_axis.z - p.z_axis.w)
+    }
+
+    /// View-space position of the upper right corner of what is seen at a distance along the view axis.
+    pub fn corner(&self, distance: f32) -> Vec3 {
+        let p = self.clip_from_view;
+        let w = -distance * p.z_axis.w + p.w_axis.w;
+        Vec3::new(w / p.x_axis.x.abs(), w / p.y_axis.y.abs(), -distance)
+    }
+
+    /// Nearest and farthest distance along the view axis at which the view may see something of a box, metres.
+    pub fn distances(&self, bounds: &Aabb) -> [f32; 2] {
+        let in_view = bounds.transformed(self.view_from_world);
+        let near = self.near().max(1e-6).max(-in_view.max.z);
+        [near, (-in_view.min.z).max(near * 1.001)]
+    }
+
+    /// Whether lines of sight are parallel.
+    pub fn is_orthographic(&self) -> bool {
+        self.clip_from_view.w_axis.w != 0.0
+    }
+
+    fn record(&self) -> blocks::ViewData {
+        let eye: Vec4 = match self.is_orthographic() {
+            true => self.world_from_view.z_axis.truncate().extend(0.0),
+            false => self.eye().extend(1.0),
+        };
+        blocks::ViewData {
+            clip_from_world: self.clip_from_world().to_cols_array_2d(),
+            view_from_world: self.view_from_world.to_cols_array_2d(),
+            world_from_view: self.world_from_view.to_cols_array_2d(),
+            view_from_clip: self.clip_from_view.inverse().to_cols_array_2d(),
+            eye: eye.to_array(),
+            size: self.size.map(|pixels| pixels as f32).into(),
+        }
+    }
+}

@@ -1,0 +1,32 @@
+//! The list of techniques. A test walks it and fails where a technique lacks its shaders, its test, its docs page or
+//! a seeded mutation that its test catches.
+
+/// An entry of the registry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Technique {
+    /// Family: folder of techniques that answer the same question.
+    pub family: &'static str,
+    /// Name: folder in the family.
+    pub name: &'static str,
+    /// What it does, in one line.
+    pub summary: &'static str,
+}
+
+/// Every technique of this crate, by family and name.
+pub static TECHNIQUES: &[Technique] = &[
+    Technique {
+        family: "shading",
+        name: "lighting",
+        summary: "deferred shading by punctual lights and a constant environment",
+    },
+    Technique { family: "shadow", name: "cascaded", summary: "cascaded shadow maps of a directional light" },
+    Technique { family: "shadow", name: "spot", summary: "a shadow map for each spot light" },
+    Technique { family: "surface", name: "depth", summary: "depth pre-pass" },
+    Technique { family: "surface", name: "gbuffer", summary: "geometry and material of the first opaque surface" },
+    Technique { family: "surface", name: "position", summary: "world position and distance from depth" },
+    Technique {
+        family: "transparency",
+        name: "sorted",
+        summary: "blended materials, forward-shaded, sorted by object",
+    },
+];

@@ -1,0 +1,3 @@
+//! From surfaces and lights to radiance.
+
+pub mod lighting;

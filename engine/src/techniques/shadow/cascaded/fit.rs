@@ -1,0 +1,64 @@
+//! A light's parallel view around one slice of a camera's frustum, which keeps its size when the camera turns and
+//! moves by whole texels: Valient 2007.
+
+use glam::{Mat4, Vec3};
+
+use crate::geometry::Aabb;
+use crate::scene::View;
+
+/// One cascade.
+#[derive(Clone, Copy, Debug)]
+pub struct Fit {
+    /// The light's view of it.
+    pub view: View,
+    /// Size of a texel, metres.
+    pub texel: f32,
+    /// Start and end along the camera's axis, metres.
+    pub distances: [f32; 2],
+}
+
+/// Fits a map of `resolution`² texels around the part of a camera's frustum between two distances, with `border`
+/// texels to spare on each side, deep enough for all of the scene.
+pub fn fit(camera: &View, distances: [f32; 2], direction: Vec3, scene: &Aabb, resolution: u32, border: f32) -> Fit {
+    // 1. A sphere around the slice: its radius depends on the lens and the distances alone.
+    let (center, radius) = bounding_sphere(camera, distances);
+    let radius = round_up(radius);
+    let width = 2.0 * radius * resolution as f32 / (resolution as f32 - 2.0 * border).max(1.0);
+    let texel = width / resolution as f32;
+
+    // 2. Its centre on the light's grid of texels.
+    let light = View::parallel(Vec3::ZERO, direction, width, 0.0, 1.0, [resolution; 2]);
+    let in_light = light.view_from_world.transform_point3(camera.world_from_view.transform_point3(center));
+    let snapped = Vec3::new((in_light.x / texel).floor() * texel, (in_light.y / texel).floor() * texel, in_light.z);
+    let center = light.world_from_view.transform_point3(snapped);
+
+    // 3. Depth around all casters: those before the slice throw shadows into it.
+    let [near, far] = depth_range(scene, &light.view_from_world, snapped.z);
+    let slack = 1e-3 * (far - near).max(radius);
+    let view = View::parallel(center, direction, width, slack - near, far + slack, [resolution; 2]);
+    Fit { view, texel, distances }
+}
+
+/// Smallest sphere around a frustum slice, in view space.
+fn bounding_sphere(camera: &View, [near, far]: [f32; 2]) -> (Vec3, f32) {
+    let corner = |distance: f32| camera.corner(distance);
+    let (n, f) = (corner(near), corner(far));
+    // The centre lies on the axis where both rims are equally far, but not beyond the far plane.
+    let (n2, f2) = (n.truncate().length_squared(), f.truncate().length_squared());
+    let middle = 0.5 * (near + far) + 0.5 * (f2 - n2) / (far - near).max(f32::MIN_POSITIVE);
+    let at = middle.clamp(near, far);
+    let center = Vec3::new(0.0, 0.0, -at);
+    (center, center.distance(f).max(center.distance(n)))
+}
+
+/// Up to the next sixteenth of a power of two, so that rounding errors do not change the size from frame to frame.
+fn round_up(radius: f32) -> f32 {
+    let step = radius.max(f32::MIN_POSITIVE).log2().floor().exp2() / 16.0;
+    (radius / step).ceil() * step
+}
+
+/// Distances of a box along the light's axis, from the plane at `z` in the light's view space.
+fn depth_range(scene: &Aabb, view_from_world: &Mat4, z: f32) -> [f32; 2] {
+    let bounds = scene.transformed(*view_from_world);
+    [z - bounds.max.z, z - bounds.min.z]
+}

@@ -1,0 +1,117 @@
+//! A shadow map for each spot light (Williams 1978, "Casting curved shadows on curved surfaces"), all in one array.
+
+use ash::vk;
+use glam::Vec3;
+
+use super::{Filter, Receivers, map_sampler};
+use crate::graph::{Graph, ImageHandle, ImageShape};
+use crate::scene::{Faces, GpuScene, Light, LightKind, Projection, View, ViewSet};
+use crate::shader::generated::blocks;
+use crate::shader::generated::shadow::spot::mask_comp as shader;
+
+/// Widest cone that one map covers, half-angle in radians. Beyond it a light has no shadow.
+pub const MAX_HALF_ANGLE: f32 = 80.0 * std::f32::consts::PI / 180.0;
+
+/// Most spot lights with a shadow; `MAX_SPOTS` in `visibility.glsl`.
+pub const MAX_SPOTS: usize = 64;
+
+/// Shadow maps of spot lights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    /// Width and height of each map in texels.
+    pub resolution: u32,
+    /// Filter of the masks.
+    pub filter: Filter,
+}
+
+impl Default for Spot {
+    fn default() -> Self {
+        Self { resolution: 1024, filter: Filter::Bilinear }
+    }
+}
+
+/// What the technique gives.
+pub struct SpotShadows {
+    /// Visibility of each light at each pixel, 1 is lit; in the order asked for.
+    pub masks: Vec<ImageHandle>,
+    /// Depth maps, a layer a light.
+    pub maps: ImageHandle,
+    /// Parameters for `visibility.glsl`.
+    pub parameters: blocks::SpotMaps,
+}
+
+impl Spot {
+    /// Whether this technique serves a light.
+    pub fn serves(light: &Light) -> bool {
+        matches!(light.kind, LightKind::Spot { .. })
+    }
+
+    /// The light's own view of the scene: `None` for a light that is no spot.
+    pub fn view(&self, light: &Light, scene_size: f32) -> Option<View> {
+        let LightKind::Spot { position, direction, range, outer, .. } = light.kind else { return None };
+        let near = 1e-3 * scene_size.min(range).max(1e-6);
+        let fov_y = 2.0 * outer.clamp(1e-3, MAX_HALF_ANGLE);
+        let projection = Projection::Perspective { fov_y, near, far: None };
+        Some(View::along(position, direction, projection, [self.resolution; 2]))
+    }
+
+    /// Renders a map for each of `lights` (spots all) and writes their masks; nothing where there are none.
+    pub fn record<'f>(
+        &self,
+        graph: &mut Graph<'f>,
+        scene: &'f GpuScene,
+        receivers: &Receivers,
+        lights: &[&Light],
+        masks: Vec<ImageHandle>,
+    ) -> Option<SpotShadows> {
+        let views: Vec<_> = lights.iter().filter_map(|light| self.view(light, 2.0 * scene.bounds.radius())).collect();
+        if views.is_empty() {
+            return None;
+        }
+        let records: Vec<_> = lights.iter().zip(&views).map(|(light, view)| self.map_record(light, view)).collect();
+        let count = views.len() as u32;
+        let shape = ImageShape::new_2d(vk::Format::D32_SFLOAT, [self.resolution; 2]).layers(count);
+        let target = graph.image("shadow.spot.map", shape);
+        // Spots look different ways: a pass each culls better than one for all.
+        let layers = graph.split_layers(target).into_iter().zip(views).enumerate();
+        let drawn: Vec<_> = layers
+            .map(|(i, (layer, view))| {
+                let name = format!("shadow.spot.map.{i}");
+                scene.record_depth(graph, &name, &view.into(), layer, Faces::Both)
+            })
+            .collect();
+        let maps = graph.join(drawn)?;
+
+        let mut parameters: blocks::SpotMaps = bytemuck::Zeroable::zeroed();
+        parameters.spot_taps = self.filter.taps() as i32;
+        parameters.spot_map_texel = 1.0 / self.resolution as f32;
+        for (place, record) in parameters.spots.iter_mut().zip(records) {
+            *place = record;
+        }
+        let camera = ViewSet::from(*receivers.view).block();
+        let mut written = Vec::with_capacity(masks.len());
+        for (i, mask) in masks.into_iter().enumerate() {
+            let mut pass = graph.compute(format!("shadow.spot.mask.{i}"), &shader::SHADER);
+            pass.uniform(shader::VIEWS, &camera)
+                .uniform(shader::SPOT_MAPS, &parameters)
+                .read(shader::DEPTH, receivers.depth)
+                .read(shader::IDS, receivers.ids)
+                .sample(shader::SPOT_MAP, &maps, map_sampler())
+                .push(&(i as u32));
+            written.push(pass.write(shader::MASK, mask));
+            pass.dispatch([receivers.view.size[0], receivers.view.size[1], 1]);
+        }
+        Some(SpotShadows { masks: written, maps, parameters })
+    }
+
+    fn map_record(&self, light: &Light, view: &View) -> blocks::SpotMap {
+        let direction = match light.kind {
+            LightKind::Spot { direction, .. } => direction,
+            LightKind::Directional { .. } | LightKind::Point { .. } => Vec3::NEG_Y,
+        };
+        // 1 / P[0][0] is the tangent of the half-angle.
+        let texel = 2.0 / (view.clip_from_view.x_axis.x * self.resolution as f32);
+        let clip_from_world = view.clip_from_world().to_cols_array_2d();
+        blocks::SpotMap { clip_from_world, position: view.eye(), texel, direction }
+    }
+}

@@ -1,0 +1,18 @@
+//! Depth pre-pass: the depth of the first opaque or alpha-tested surface, so that what follows shades each pixel once.
+
+use ash::vk;
+
+use crate::graph::{Graph, ImageHandle, ImageShape};
+use crate::scene::{Faces, GpuScene, View};
+
+/// Depth pre-pass.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct DepthPrepass;
+
+impl DepthPrepass {
+    /// Draws the scene's depth as a camera sees it: D32, `scene::depth`'s convention.
+    pub fn record<'f>(&self, graph: &mut Graph<'f>, scene: &'f GpuScene, view: &View) -> ImageHandle {
+        let target = graph.image("depth", ImageShape::new_2d(vk::Format::D32_SFLOAT, view.size));
+        scene.record_depth(graph, "depth", &(*view).into(), target, Faces::Material)
+    }
+}

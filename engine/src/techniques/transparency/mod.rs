@@ -1,0 +1,3 @@
+//! Surfaces that let light through.
+
+pub mod sorted;

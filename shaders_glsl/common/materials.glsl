@@ -1,0 +1,46 @@
+// A glTF 2.0 metallic-roughness material: set 1 holds its factors and its textures, with white (or a flat normal)
+// where it has none.
+
+const uint TEXTURE_BASE_COLOR = 0u;
+const uint TEXTURE_METALLIC_ROUGHNESS = 1u;
+const uint TEXTURE_NORMAL = 2u;
+const uint TEXTURE_OCCLUSION = 3u;
+const uint TEXTURE_EMISSIVE = 4u;
+
+// Bit k of `flags`: texture k is there; bit k + 8: it uses the second texture coordinates.
+const uint MATERIAL_UNLIT = 1u << 16;
+
+layout(set = 1, binding = 5, scalar) uniform Material {
+    vec4 base_color;
+    vec3 emissive; // cd/m²
+    float metallic;
+    float roughness;
+    float normal_scale;
+    float occlusion_strength;
+    float alpha_cutoff;
+    vec3 uv_rows[10]; // two rows a texture, applied to (u, v, 1)
+    uint flags;
+} material;
+
+layout(set = 1, binding = 0) uniform sampler2D base_color_texture;
+layout(set = 1, binding = 1) uniform sampler2D metallic_roughness_texture;
+layout(set = 1, binding = 2) uniform sampler2D normal_texture;
+layout(set = 1, binding = 3) uniform sampler2D occlusion_texture;
+layout(set = 1, binding = 4) uniform sampler2D emissive_texture;
+
+bool has_texture(uint slot) {
+    return (material.flags & (1u << slot)) != 0u;
+}
+
+vec2 texture_coordinates(uint slot, vec2 uv0, vec2 uv1) {
+    vec3 uv = vec3((material.flags & (256u << slot)) != 0u ? uv1 : uv0, 1.0);
+    return vec2(dot(material.uv_rows[2u * slot], uv), dot(material.uv_rows[2u * slot + 1u], uv));
+}
+
+vec4 material_base_color(vec2 uv0, vec2 uv1, vec4 color) {
+    vec4 base = material.base_color * color;
+    if (has_texture(TEXTURE_BASE_COLOR)) {
+        base *= texture(base_color_texture, texture_coordinates(TEXTURE_BASE_COLOR, uv0, uv1));
+    }
+    return base;
+}

@@ -1,0 +1,24 @@
+// Percentage-closer filtering of a shadow map array (Reeves et al. 1987): hardware 2×2 taps on a square grid.
+
+// `taps` taps a side, one texel apart: 1 is the hardware's bilinear comparison alone.
+float percentage_closer(sampler2DArrayShadow map, vec3 uv_layer, float reference, int taps, float texel) {
+    float sum = 0.0;
+    float first = 0.5 - 0.5 * float(taps);
+    for (int y = 0; y < taps; ++y) {
+        for (int x = 0; x < taps; ++x) {
+            vec2 offset = (vec2(x, y) + first) * texel;
+            sum += texture(map, vec4(uv_layer.xy + offset, uv_layer.z, reference));
+        }
+    }
+    return sum / float(taps * taps);
+}
+
+// Lifts a receiver off its own shadow: along the normal by what the filter's footprint spans on a slope, and a
+// little towards the light. `texel` is the size of a shadow-map texel at the receiver in metres (Holbert 2011,
+// "Saying goodbye to shadow acne", for the normal's part).
+vec3 lift_receiver(vec3 position, vec3 normal, vec3 to_light, float texel, int taps) {
+    float cosine = clamp(dot(normal, to_light), 0.0, 1.0);
+    float sine = sqrt(1.0 - cosine * cosine);
+    float radius = 0.5 * float(taps) + 0.5;
+    return position + normal * (radius * texel * sine) + to_light * (0.25 * texel);
+}

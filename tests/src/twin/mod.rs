@@ -1,0 +1,16 @@
+//! The twins: slow, plain, double precision, one definition each.
+//!
+//! None of them looks at a shader. Where a definition leaves something open, the twin's module says what it chose.
+
+pub mod brdf;
+pub mod bvh;
+pub mod camera;
+pub mod cascades;
+pub mod lighting;
+pub mod scene;
+pub mod shadow;
+pub mod surface;
+pub mod texture;
+
+#[cfg(test)]
+mod tests;

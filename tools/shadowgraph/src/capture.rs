@@ -1,0 +1,157 @@
+//! `capture`: renders a frame and writes its layers.
+
+use std::fs;
+use std::path::Path;
+
+use shadowgraph::capture::{
+    CapturedFrame, ExrOptions, FrameCapture, PngOptions, auto_exposure, picture, write_exr, write_png,
+};
+use shadowgraph::frame::{Frame, FrameSettings, Selection};
+use shadowgraph::gpu::Gpu;
+use shadowgraph::graph::{Executed, Executor, Graph};
+use shadowgraph::scene::{Camera, GpuScene};
+
+use crate::cli::CaptureArguments;
+use crate::failure::{Failure, Result};
+use crate::output::print;
+use crate::phases::{Phases, Start};
+use crate::session::{self, Recipe};
+use crate::view;
+
+/// Renders and writes.
+pub fn run(arguments: &CaptureArguments, start: Start) -> Result<()> {
+    check_names(arguments)?;
+    let mut phases = Phases::new(start);
+    // 1. The scene first: where it is bad, no device is needed to say so.
+    let scene = phases.time("loading", || session::load(&arguments.frame))?;
+    let camera = view::camera(&arguments.frame, &scene)?;
+    let gpu = phases.time("device", || session::open(&arguments.frame.device))?;
+    // 2. All that holds on to the device goes before the device.
+    let told = phases.time("loading", || scene.upload(&gpu)).map_err(Failure::from);
+    let told = told.and_then(|scene| render_and_write(arguments, &gpu, &scene, &camera, &mut phases));
+    // 3. Leaks and validation messages are failures too; the first failure is the one to tell.
+    let closed = session::close(gpu);
+    let told = told?;
+    closed?;
+    if arguments.phases {
+        return print(serde_json::to_string(&phases.report()).map_err(Failure::failed)?);
+    }
+    told.into_iter().try_for_each(print)
+}
+
+/// Refuses names of files that would mislead.
+fn check_names(arguments: &CaptureArguments) -> Result<()> {
+    let ends_with = |path: &Path, end: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
+    let files = [("--output", &arguments.output, "exr"), ("--png", &arguments.png, "png")];
+    for (option, path, end) in files {
+        if let Some(path) = path.as_deref().filter(|path| !ends_with(path, end)) {
+            return Err(Failure::input(format!("{option} {}: the name must end in .{end}", path.display())));
+        }
+    }
+    Ok(())
+}
+
+/// Gives what there is to tell the user.
+fn render_and_write(
+    arguments: &CaptureArguments,
+    gpu: &Gpu,
+    scene: &GpuScene,
+    camera: &Camera,
+    phases: &mut Phases,
+) -> Result<Vec<String>> {
+    // 1. Render what is wanted, and the picture where a PNG is.
+    let wanted = session::frame_settings(&arguments.frame, scene, camera);
+    let mut settings = wanted.clone();
+    if let (Some(_), Selection::Only(names)) = (&arguments.png, &mut settings.layers) {
+        names.push("color".into());
+    }
+    let mut executor = Executor::new(gpu);
+    let (mut frame, executed) = if arguments.phases {
+        render_twice(&mut executor, gpu, scene, &settings, phases)?
+    } else {
+        phases.time("rendering", || render(&mut executor, gpu, scene, &settings))?
+    };
+    for warning in &frame.warnings {
+        log::warn!("{}: {warning}", arguments.frame.scene);
+    }
+    // 2. Write it.
+    let mut told = Vec::new();
+    if let Some(path) = &arguments.png {
+        let pixels = phases.time("read-back", || picture(&frame, &executed))?;
+        phases.time("writing", || {
+            let options = PngOptions { exposure: auto_exposure(&pixels), ..PngOptions::default() };
+            write_png(path, arguments.frame.size.0, &pixels, &options)
+        })?;
+    }
+    if let Some(path) = &arguments.output {
+        frame.layers.retain(|layer| wanted.layers.wants(&layer.name));
+        let recipe = Recipe::new(&arguments.frame, camera, &wanted);
+        let description = FrameCapture {
+            scene,
+            camera,
+            view: &wanted.view,
+            caps: gpu.caps(),
+            settings: &recipe,
+            float: arguments.frame.float,
+            exposure: 1.0,
+            reproducible: arguments.reproducible,
+        };
+        let captured = phases.time("read-back", || description.collect(&frame, &executed))?;
+        phases.time("writing", || {
+            write_exr(path, &captured.capture, &ExrOptions { compression: arguments.compression })
+        })?;
+        warn_of_losses(&captured);
+        told.push(summary(path, &captured)?);
+    }
+    told.extend(arguments.png.iter().map(|path| format!("wrote {}", path.display())));
+    Ok(told)
+}
+
+fn render(executor: &mut Executor, gpu: &Gpu, scene: &GpuScene, settings: &FrameSettings) -> Result<(Frame, Executed)> {
+    let mut graph = Graph::new("frame", gpu.caps());
+    let frame = session::record(settings, &mut graph, scene)?;
+    let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
+    let executed = executor.execute(&plan, graph)?;
+    Ok((frame, executed))
+}
+
+/// The driver compiles shaders at their first draw: what the first frame takes more than the second.
+fn render_twice(
+    executor: &mut Executor,
+    gpu: &Gpu,
+    scene: &GpuScene,
+    settings: &FrameSettings,
+    phases: &mut Phases,
+) -> Result<(Frame, Executed)> {
+    let mut both = Vec::with_capacity(2);
+    for _ in 0..2 {
+        let began = std::time::Instant::now();
+        let rendered = render(executor, gpu, scene, settings)?;
+        both.push((began.elapsed(), rendered));
+    }
+    let times: Vec<_> = both.iter().map(|(time, _)| *time).collect();
+    phases.add("first-draw compilation", times[0].saturating_sub(times[1]));
+    phases.add("rendering", times[1]);
+    let last = both.pop().ok_or_else(|| Failure::failed("no frame was rendered"))?;
+    Ok(last.1)
+}
+
+/// Half-floats that could not hold their value are not lost in silence.
+fn warn_of_losses(captured: &CapturedFrame) {
+    for (channel, report) in &captured.lost {
+        if report.clamped > 0 {
+            log::warn!("{channel}: {} pixels exceed 65504 and were clamped; --float keeps them", report.clamped);
+        }
+        if report.not_a_number > 0 {
+            log::warn!("{channel}: {} pixels are not a number", report.not_a_number);
+        }
+    }
+}
+
+fn summary(path: &Path, captured: &CapturedFrame) -> Result<String> {
+    let parts = &captured.capture.parts;
+    let channels: usize = parts.iter().map(|part| part.channels.len()).sum();
+    let bytes = fs::metadata(path).map_err(|error| shadowgraph::Error::io("look at", path, error))?.len();
+    let megabytes = bytes as f64 / 1e6;
+    Ok(format!("wrote {}: {channels} channels in {} parts, {megabytes:.1} MB", path.display(), parts.len()))
+}

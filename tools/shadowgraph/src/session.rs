@@ -1,0 +1,109 @@
+//! What commands share: a device, a scene on it, and a frame.
+
+use serde::Serialize;
+use shadowgraph::frame::{Frame, FrameSettings, Selection};
+use shadowgraph::gpu::{Gpu, GpuOptions, Messages, Severity, Validation};
+use shadowgraph::graph::Graph;
+use shadowgraph::scene::{Camera, GpuScene, Scene};
+use shadowgraph::techniques::surface::gbuffer::Precision;
+
+use crate::arguments::SceneSource;
+use crate::cache;
+use crate::cli::{DeviceArguments, FrameArguments};
+use crate::failure::{Failure, Result};
+use crate::view;
+
+/// Opens the device.
+pub fn open(arguments: &DeviceArguments) -> Result<Gpu> {
+    let validation = if arguments.validation { Validation::On } else { Validation::Off };
+    let options = GpuOptions {
+        device: arguments.device.clone(),
+        validation,
+        pipeline_cache: cache::pipelines(),
+        ..GpuOptions::default()
+    };
+    Ok(Gpu::headless(options)?)
+}
+
+/// Frees the device. Leaks are failures, and so are validation messages, those of freeing included.
+pub fn close(gpu: Gpu) -> Result<()> {
+    let messages = gpu.messages().clone();
+    gpu.close()?;
+    refuse_messages(&messages)
+}
+
+fn refuse_messages(messages: &Messages) -> Result<()> {
+    // They were told when they came; `Info` is what shaders print.
+    let count = messages.take().iter().filter(|message| message.severity != Severity::Info).count();
+    if count > 0 {
+        return Err(Failure::failed(format!("the validation layer had {count} messages, printed above")));
+    }
+    Ok(())
+}
+
+/// Loads a scene and gives it a sun where it is to have one.
+pub fn load(arguments: &FrameArguments) -> Result<Scene> {
+    let mut scene = match &arguments.scene {
+        SceneSource::Builtin(name) => Scene::builtin(name),
+        SceneSource::File(path) => Scene::load(path),
+    }
+    .map_err(Failure::input)?;
+    for warning in &scene.warnings {
+        log::warn!("{}: {warning}", arguments.scene);
+    }
+    view::set_sun(&mut scene, arguments.sun);
+    Ok(scene)
+}
+
+/// Settings of a frame as the arguments have them.
+pub fn frame_settings(arguments: &FrameArguments, scene: &Scene, camera: &Camera) -> FrameSettings {
+    let environment = arguments.environment.unwrap_or_else(|| view::sky(scene));
+    FrameSettings {
+        precision: if arguments.float { Precision::Float } else { Precision::Compact },
+        environment: glam::Vec3::splat(environment),
+        layers: arguments.layers.clone(),
+        ..FrameSettings::new(camera.view(arguments.size.0))
+    }
+}
+
+/// Records a frame. An unknown layer is bad usage, and the known ones are listed.
+pub fn record<'f>(settings: &FrameSettings, graph: &mut Graph<'f>, scene: &'f GpuScene) -> Result<Frame> {
+    let frame = settings.record(graph, scene);
+    if let Selection::Only(names) = &settings.layers {
+        let known = |wanted: &String| {
+            let one = Selection::Only(vec![wanted.clone()]);
+            frame.layers.iter().any(|layer| one.wants(&layer.name))
+        };
+        if let Some(unknown) = names.iter().find(|name| !known(name)) {
+            let mut every = Graph::new("every layer", graph.caps());
+            let all = FrameSettings { layers: Selection::All, ..settings.clone() }.record(&mut every, scene);
+            let names: Vec<_> = all.layers.iter().map(|layer| layer.name.as_str()).collect();
+            let message = format!("unknown layer {unknown:?}; this scene has {}", names.join(", "));
+            return Err(Failure::input(message));
+        }
+    }
+    Ok(frame)
+}
+
+/// How a frame was made, for the file's header: what the arguments say that the rest of the header does not.
+#[derive(Serialize)]
+pub struct Recipe {
+    scene: String,
+    camera: String,
+    sun: Option<[f32; 4]>,
+    environment: f32,
+    float: bool,
+}
+
+impl Recipe {
+    /// Of these arguments.
+    pub fn new(arguments: &FrameArguments, camera: &Camera, settings: &FrameSettings) -> Self {
+        Self {
+            scene: arguments.scene.to_string(),
+            camera: camera.name.clone(),
+            sun: arguments.sun.map(|sun| sun.direction.extend(sun.illuminance).to_array()),
+            environment: settings.environment.x,
+            float: arguments.float,
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! What the gate checks, in order, each step timed.
+
+use crate::drivers::Driver;
+use crate::failure::{Failure, Result};
+use crate::setup::setup;
+use crate::test::{self, TestOptions};
+use crate::workspace::Workspace;
+use crate::{packages, shell};
+use std::time::Instant;
+
+/// Runs every step, and stops at the first that fails.
+pub fn ci(workspace: &Workspace) -> Result<()> {
+    let mut steps = Steps::default();
+    steps.run("format", || cargo(workspace, &["fmt", "--all", "--check"]))?;
+    steps.run("set-up", || setup(workspace))?;
+    steps
+        .run("clippy", || cargo(workspace, &["clippy", "--workspace", "--all-targets", "--", "--deny", "warnings"]))?;
+    steps.run("rustdoc", || {
+        let mut doc = shell::cargo(&workspace.root, &["doc", "--workspace", "--no-deps"]);
+        shell::run(doc.env("RUSTDOCFLAGS", "--deny warnings"))
+    })?;
+    steps.run("tests", || test::run(workspace, &TestOptions::default()))?;
+    if packages::is_debian() {
+        steps.run("portable tests on lavapipe25", || portable_tests(workspace, Driver::Lavapipe25))?;
+        steps.run("portable tests on swiftshader", || portable_tests(workspace, Driver::Swiftshader))?;
+    } else {
+        println!("skipped: the portable tests on other drivers, which come from Debian's packages");
+    }
+    steps.print();
+    Ok(())
+}
+
+fn cargo(workspace: &Workspace, arguments: &[&str]) -> Result<()> {
+    shell::run(&mut shell::cargo(&workspace.root, arguments))
+}
+
+fn portable_tests(workspace: &Workspace, driver: Driver) -> Result<()> {
+    let options = TestOptions { driver: Some(driver), portable: true, ..TestOptions::default() };
+    test::run(workspace, &options)
+}
+
+/// The steps so far, with their times.
+#[derive(Default)]
+struct Steps {
+    done: Vec<(&'static str, f64)>,
+}
+
+impl Steps {
+    fn run(&mut self, name: &'static str, step: impl FnOnce() -> Result<()>) -> Result<()> {
+        println!("\n== {name}");
+        let start = Instant::now();
+        let result = step();
+        self.done.push((name, start.elapsed().as_secs_f64()));
+        result.map_err(|failure| {
+            self.print();
+            Failure::Failed(format!("{name}: {failure}"))
+        })
+    }
+
+    fn print(&self) {
+        println!("\n== times");
+        for (name, seconds) in &self.done {
+            println!("{seconds:8.1} s  {name}");
+        }
+        println!("{:8.1} s  in all", self.done.iter().map(|(_, seconds)| seconds).sum::<f64>());
+    }
+}

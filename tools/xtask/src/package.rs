@@ -1,0 +1,76 @@
+//! Packing the engine for dependants, who have no shader compiler.
+
+use crate::failure::{Failure, Result};
+use crate::shell;
+use crate::workspace::{Workspace, make_folder, read, write};
+use std::fs;
+use std::path::Path;
+
+/// How to pack.
+#[derive(Debug, clap::Args)]
+pub struct PackageOptions {
+    /// Also build a program outside the workspace against the package, and run it.
+    #[arg(long)]
+    pub check: bool,
+}
+
+/// The file that `engine/examples/capture.rs` writes.
+const RESULT: &str = "sun.npy";
+
+/// Packs the engine with its compiled shaders.
+pub fn package(workspace: &Workspace, options: &PackageOptions) -> Result<()> {
+    let prebuilt = workspace.path("engine/prebuilt");
+    let packed = compile_shaders(workspace, &prebuilt).and_then(|()| {
+        // What it would verify, the program outside the workspace shows.
+        let arguments = ["package", "--package", "shadowgraph", "--allow-dirty", "--no-verify"];
+        shell::run(&mut shell::cargo(&workspace.root, &arguments))
+    });
+    // A checkout compiles its own shaders: these would be out of date at the next edit.
+    let _ = fs::remove_dir_all(&prebuilt);
+    packed?;
+    if options.check { check(workspace) } else { Ok(()) }
+}
+
+/// Has the engine's build script leave its compiled shaders in a folder.
+fn compile_shaders(workspace: &Workspace, folder: &Path) -> Result<()> {
+    let mut check =
+        shell::cargo(&workspace.root, &["check", "--package", "shadowgraph", "--features", "compile-shaders"]);
+    shell::run(check.env("SHADOWGRAPH_PREBUILT_OUT", folder))?;
+    if folder.is_dir() {
+        return Ok(());
+    }
+    Err(Failure::Failed(format!("the engine's build script left no compiled shaders in {}", folder.display())))
+}
+
+/// Builds the engine's example against the package, outside the workspace and without a shader compiler, and runs it.
+fn check(workspace: &Workspace) -> Result<()> {
+    let packages = workspace.target().join("package");
+    let name = format!("shadowgraph-{}", env!("CARGO_PKG_VERSION"));
+    let unpacked = packages.join(&name);
+    let _ = fs::remove_dir_all(&unpacked);
+    shell::run(&mut shell::command(&packages, "tar", &["-xzf", &format!("{name}.crate")]))?;
+
+    let outside = workspace.target().join("outside");
+    make_folder(&outside.join("src"))?;
+    let result = outside.join(RESULT);
+    let _ = fs::remove_file(&result);
+    write(&outside.join("Cargo.toml"), &manifest(&unpacked))?;
+    write(&outside.join("src/main.rs"), &read(&unpacked.join("examples/capture.rs"))?)?;
+
+    let tree = shell::checked_output(&mut shell::cargo(&outside, &["tree", "--edges", "all"]))?;
+    if let Some(line) = tree.lines().find(|line| line.contains("shaderc")) {
+        return Err(Failure::Failed(format!("the package depends on the shader compiler: {}", line.trim())));
+    }
+    let mut run = shell::cargo(&outside, &["run"]);
+    shell::run(run.env("CARGO_TARGET_DIR", outside.join("target")))?;
+    let size = result.metadata().map_err(|error| Failure::io("find", &result, &error))?.len();
+    println!("a program outside the workspace rendered {} ({size} bytes)", result.display());
+    Ok(())
+}
+
+fn manifest(engine: &Path) -> String {
+    format!(
+        "[package]\nname = \"outside\"\nversion = \"0.0.0\"\nedition = \"2024\"\npublish = false\n\n\
+         [dependencies]\nshadowgraph = {{ path = {engine:?} }}\n\n[workspace]\n"
+    )
+}

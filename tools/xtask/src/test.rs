@@ -1,0 +1,171 @@
+//! Running the tests on a driver, and counting what ran.
+
+use crate::drivers::{self, Driver};
+use crate::failure::{Failure, Result};
+use crate::setup::setup;
+use crate::shell;
+use crate::workspace::Workspace;
+use std::path::PathBuf;
+use std::process::Command;
+use std::{env, fs};
+
+/// Tests that every driver must pass have this in their name.
+const PORTABLE: &str = "portable_";
+
+/// Which tests to run, and on what.
+#[derive(Debug, Default, clap::Args)]
+pub struct TestOptions {
+    /// The Vulkan driver; the system's lavapipe where it is installed.
+    #[arg(long)]
+    pub driver: Option<Driver>,
+    /// Run the long tests as well, and more random cases.
+    #[arg(long)]
+    pub long: bool,
+    /// Run only the tests that every driver must pass.
+    #[arg(long)]
+    pub portable: bool,
+    /// Run only tests whose names contain one of these.
+    pub filter: Vec<String>,
+    /// Arguments for the test programs, such as --nocapture.
+    #[arg(last = true)]
+    pub arguments: Vec<String>,
+}
+
+/// What the test programs reported.
+#[derive(Debug, Default, PartialEq, Eq)]
+struct Tally {
+    passed: u32,
+    failed: u32,
+    ignored: u32,
+}
+
+/// Sets up, then runs the tests.
+pub fn test(workspace: &Workspace, options: &TestOptions) -> Result<()> {
+    setup(workspace)?;
+    run(workspace, options)
+}
+
+/// Runs the tests, and says what ran and what was skipped.
+pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<()> {
+    let driver = options.driver.unwrap_or_else(default_driver);
+    let skipped = SkipList::new(workspace, driver);
+    let mut command = shell::cargo(&workspace.root, &["test", "--workspace", "--no-fail-fast", "--"]);
+    command.args(&options.filter).args(&options.arguments);
+    if options.portable {
+        command.arg(PORTABLE);
+    }
+    if options.long {
+        command.arg("--include-ignored").env("PROPTEST_CASES", "4096");
+    }
+    set_environment(&mut command, workspace, driver, &skipped)?;
+
+    let mut tally = Tally::default();
+    let succeeded = shell::run_lines(&mut command, |line| tally.add(line))?;
+    let skipped = skipped.read();
+    for line in &skipped {
+        println!("skipped: {line}");
+    }
+    println!(
+        "{} passed, {} failed, {} ignored, {} skipped on {}",
+        tally.passed,
+        tally.failed,
+        tally.ignored,
+        skipped.len(),
+        driver.name()
+    );
+    if !succeeded {
+        return Err(Failure::Failed("tests failed".to_owned()));
+    }
+    if tally.passed == 0 {
+        return Err(Failure::Failed("no test ran: no name contains the filter".to_owned()));
+    }
+    Ok(())
+}
+
+/// The folder of scenes beside the checkout or named by the user. Where tests are told one, a scene that it lacks is a
+/// failure.
+fn scenes(workspace: &Workspace) -> Option<PathBuf> {
+    if let Some(folder) = env::var_os("SHADOWGRAPH_SCENES") {
+        return Some(PathBuf::from(folder));
+    }
+    let folder = workspace.root.parent()?.join("shared/scenes");
+    folder.is_dir().then_some(folder)
+}
+
+/// A loader told by the user which driver to load is left alone.
+fn default_driver() -> Driver {
+    let told =
+        ["VK_DRIVER_FILES", "VK_ICD_FILENAMES", "VK_ADD_DRIVER_FILES"].iter().any(|key| env::var_os(key).is_some());
+    if told || drivers::system_lavapipe().is_none() { Driver::System } else { Driver::Lavapipe }
+}
+
+fn set_environment(command: &mut Command, workspace: &Workspace, driver: Driver, skipped: &SkipList) -> Result<()> {
+    if let Some(manifest) = driver.manifest(workspace)? {
+        drivers::select(command, &manifest);
+    }
+    if let Some(scenes) = scenes(workspace) {
+        command.env("SHADOWGRAPH_SCENES", scenes);
+    }
+    command.env("SHADOWGRAPH_VALIDATION", "1").env("SHADOWGRAPH_SKIPPED", &skipped.path);
+    Ok(())
+}
+
+/// The file to which a test that cannot run adds a line: its name, a colon, and the reason.
+struct SkipList {
+    path: PathBuf,
+}
+
+impl SkipList {
+    fn new(workspace: &Workspace, driver: Driver) -> Self {
+        let path = workspace.target().join(format!("skipped-{}.txt", driver.name()));
+        let _ = fs::remove_file(&path);
+        Self { path }
+    }
+
+    fn read(&self) -> Vec<String> {
+        let text = fs::read_to_string(&self.path).unwrap_or_default();
+        let mut lines: Vec<_> = text.lines().map(str::to_owned).collect();
+        lines.sort();
+        lines.dedup();
+        lines
+    }
+}
+
+impl Tally {
+    /// Adds a line of a test program's output, where it is the closing one.
+    fn add(&mut self, line: &str) {
+        let Some((_, counts)) = line.strip_prefix("test result: ").and_then(|rest| rest.split_once(". ")) else {
+            return;
+        };
+        for count in counts.split("; ") {
+            match count.split_once(' ').map(|(number, what)| (number.parse::<u32>(), what)) {
+                Some((Ok(number), "passed")) => self.passed += number,
+                Some((Ok(number), "failed")) => self.failed += number,
+                Some((Ok(number), "ignored")) => self.ignored += number,
+                _ => {}
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closing_lines_are_summed() {
+        let mut tally = Tally::default();
+        tally.add("running 3 tests");
+        tally.add("test result: ok. 3 passed; 0 failed; 1 ignored; 0 measured; 2 filtered out; finished in 0.01s");
+        tally.add("test result: FAILED. 10 passed; 2 failed; 0 ignored; 0 measured; 0 filtered out; finished in 1.00s");
+        assert_eq!(tally, Tally { passed: 13, failed: 2, ignored: 1 });
+    }
+
+    #[test]
+    fn other_lines_count_nothing() {
+        let mut tally = Tally::default();
+        tally.add("test graph::plan::orders_passes ... ok");
+        tally.add("I said: test result: ok. 3 passed");
+        assert_eq!(tally, Tally::default());
+    }
+}
