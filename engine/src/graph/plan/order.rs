@@ -27,7 +27,7 @@ pub(super) fn order(description: &Description, dependencies: &Dependencies, live
     let mut ready: Vec<Node> = nodes.filter(|&node| is_live(node) && waits[node as usize] == 0).collect();
     // By node: the first place in the order that is far enough from all it waited for.
     let mut apart = vec![0; waits.len()];
-    let mut memory = Memory::new(description, &is_live, bytes);
+    let mut memory = Memory::new(description, is_live, bytes);
     let mut order = Vec::with_capacity(ready.len());
     while !ready.is_empty() {
         let window = &ready[..ready.len().min(WINDOW)];
