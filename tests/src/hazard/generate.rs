@@ -392,10 +392,10 @@ fn halves(range: Range, way: u8, at: u8) -> Vec<Range> {
         Range::Image { aspects, mips: [m, mips], layers: [l, layers] } => {
             let depth = Aspects::DEPTH | Aspects::STENCIL;
             let cut = |first: u32, end: u32| first + 1 + u32::from(at) % (end - first - 1);
-            if aspects == depth && way % 3 == 0 {
+            if aspects == depth && way.is_multiple_of(3) {
                 let part = |aspects| Range::Image { aspects, mips: [m, mips], layers: [l, layers] };
                 vec![part(Aspects::DEPTH), part(Aspects::STENCIL)]
-            } else if mips - m > 1 && way % 2 == 0 {
+            } else if mips - m > 1 && way.is_multiple_of(2) {
                 let part = |mips| Range::Image { aspects, mips, layers: [l, layers] };
                 vec![part([m, cut(m, mips)]), part([cut(m, mips), mips])]
             } else if layers - l > 1 {

@@ -21,7 +21,8 @@ pub fn placements(description: &Description, plan: &Plan, device: &dyn DeviceMod
         let needs = device.requirements(&resource.shape, usage);
         let heap = &plan.heaps[placement.heap];
         let fits = placement.size >= needs.size && placement.offset + placement.size <= heap.size;
-        let aligned = placement.offset % needs.alignment == 0 && heap.alignment % needs.alignment == 0;
+        let aligned =
+            placement.offset.is_multiple_of(needs.alignment) && heap.alignment.is_multiple_of(needs.alignment);
         let typed = heap.type_bits != 0 && heap.type_bits & !needs.type_bits == 0;
         if !(fits && aligned && typed) {
             errors.push(format!("`{}` does not fit where it is placed: {placement:?} of {heap:?}", resource.name));

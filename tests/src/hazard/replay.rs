@@ -493,10 +493,8 @@ fn conflict(
     let reads = if used.reads || used.makes.is_none() { used.access.reads() } else { Mask::NONE };
     let needed = reads | if read { Mask::NONE } else { used.access.writes() };
     let unseen = each(needed.as_raw()).find(|&bit| !record.is_visible(queue, stage, Mask::from_raw(bit)));
-    match unseen.filter(|_| record.writes()) {
-        Some(bit) => Some(format!("does not see what {} wrote ({:?})", record.who, Mask::from_raw(bit))),
-        None => None,
-    }
+    let unseen = unseen.filter(|_| record.writes());
+    unseen.map(|bit| format!("does not see what {} wrote ({:?})", record.who, Mask::from_raw(bit)))
 }
 
 /// Why a use may not follow a record of another resource in the same memory.

@@ -143,20 +143,17 @@ fn pack(items: &[Item], lower_bound: u64, one_queue: bool, apart: impl Fn(usize,
     type Key = (std::cmp::Reverse<u128>, std::cmp::Reverse<u128>);
     let sorted = |key: &dyn Fn(&usize) -> Key| {
         let mut order: Vec<usize> = (0..items.len()).collect();
-        order.sort_by_key(key);
+        order.sort_by_key(|item| std::cmp::Reverse(key(item)));
         order
     };
     let size = |i: &usize| u128::from(items[*i].size);
-    let earliest = |i: &usize| (descending(u128::MAX - items[*i].steps[0] as u128), descending(size(i)));
+    let earliest = |i: &usize| [u128::MAX - items[*i].steps[0] as u128, size(i)];
     let mut best = first_fit(items, &sorted(&earliest), one_queue, &apart);
     if items.len() > TRY_UP_TO || best.0 <= lower_bound {
         return best.1;
     }
-    let orders: [&dyn Fn(&usize) -> _; 3] = [
-        &|i| (descending(size(i)), descending(duration(i))),
-        &|i| (descending(size(i) * duration(i)), descending(size(i))),
-        &|i| (descending(duration(i)), descending(size(i))),
-    ];
+    let orders: [&dyn Fn(&usize) -> _; 3] =
+        [&|i| [size(i), duration(i)], &|i| [size(i) * duration(i), size(i)], &|i| [duration(i), size(i)]];
     let mut front = sorted(&earliest);
     for order in orders.iter().map(|key| sorted(key)) {
         let next = first_fit(items, &order, false, &apart);
