@@ -136,8 +136,8 @@ fn attach(plan: &mut Plan, context: &Context, pending: &[barriers::Pending]) {
 
 /// Makes read-backs visible to the host.
 fn show_host(plan: &mut Plan) {
-    let mut read_backs = plan.steps.iter().map(|step| step.work).filter(|work| matches!(work, Work::ReadBack(_)));
-    if let Some(before) = read_backs.next_back() {
+    let is_read_back = |work: &Work| matches!(work, Work::ReadBack(_));
+    if let Some(before) = plan.steps.iter().rev().map(|step| step.work).find(is_read_back) {
         let reason = Reason { hazard: Hazard::Host, resource: None, before: Some(before), after: None };
         let no_layout = |access: Access| Access { layout: Layout::UNDEFINED, ..access };
         let (from, to) = (no_layout(Access::copy_write()), no_layout(Access::host_read()));

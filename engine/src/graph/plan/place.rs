@@ -139,9 +139,8 @@ fn lower_bound(items: &[Item]) -> u64 {
 /// different times.
 fn pack(items: &[Item], lower_bound: u64, one_queue: bool, apart: impl Fn(usize, usize) -> bool) -> Vec<u64> {
     let duration = |i: &usize| (items[*i].steps[1] - items[*i].steps[0] + 1) as u128;
-    let descending = std::cmp::Reverse::<u128>;
-    type Key = (std::cmp::Reverse<u128>, std::cmp::Reverse<u128>);
-    let sorted = |key: &dyn Fn(&usize) -> Key| {
+    // By two keys, the largest first.
+    let sorted = |key: &dyn Fn(&usize) -> [u128; 2]| {
         let mut order: Vec<usize> = (0..items.len()).collect();
         order.sort_by_key(|item| std::cmp::Reverse(key(item)));
         order

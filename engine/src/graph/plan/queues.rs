@@ -151,9 +151,7 @@ fn waits(needed: [u64; 3], waited: &mut [u64; 3], known: &[Vec<[u64; 3]>; 3]) ->
     let wait = |&queue: &Queue| Wait { queue, value: needed[queue as usize], stages: Stages::ALL_COMMANDS };
     let waits: Vec<Wait> = waits.map(wait).collect();
     for &other in &missing {
-        for (waited, known) in waited.iter_mut().zip(knows(other)) {
-            *waited = (*waited).max(known);
-        }
+        waited.iter_mut().zip(knows(other)).for_each(|(mine, theirs)| *mine = theirs.max(*mine));
         waited[other as usize] = waited[other as usize].max(needed[other as usize]);
     }
     waits
