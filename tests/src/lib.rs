@@ -8,6 +8,7 @@ pub mod device;
 pub mod exr_file;
 pub mod figures;
 pub mod harness;
+pub mod hazard;
 pub mod judge;
 pub mod parallel;
 pub mod render;
