@@ -181,7 +181,7 @@ fn sprig(p: Vec2, leaves: &[Leaf], stem: bool, ground: Vec3) -> Texel {
 pub fn leaves(_: &Noise, p: Vec2) -> Texel {
     static LEAVES: LazyLock<Vec<Leaf>> = LazyLock::new(|| {
         let leaf = |i: u32| {
-            let side = if i % 2 == 0 { 1.0 } else { -1.0 };
+            let side = if i.is_multiple_of(2) { 1.0 } else { -1.0 };
             let (id, other) = (hash(i, 1, 3), hash(i, 2, 3));
             let axis = if i == 14 { vec2(0.0, -0.19) } else { vec2(side * (0.34 + 0.1 * id), -0.10 - 0.12 * other) };
             let color = vec3(0.25, 0.36, 0.15).lerp(vec3(0.44, 0.50, 0.24), id) * (0.85 + 0.3 * other);
