@@ -12,6 +12,7 @@ mod light_buffer;
 mod material;
 mod mesh;
 pub(crate) mod parallel;
+mod textures;
 mod upload;
 mod view_set;
 
