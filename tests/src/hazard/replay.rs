@@ -200,14 +200,19 @@ impl Replay<'_> {
             for &atom in effect.atoms.iter().flatten() {
                 let [from, to] = [effect.scopes.from.layout, effect.scopes.to.layout];
                 if effect.ownership.is_some() || (is_image && from != to) {
-                    self.transition(effect, atom, is_image, &before);
+                    self.transition(effect, atom, is_image, &before, &effects);
                 }
             }
         }
     }
 
     /// A layout transition, or half of an ownership transfer.
-    fn transition(&mut self, effect: &Effect, atom: usize, is_image: bool, before: &[Vec<Record>]) {
+    fn transition(&mut self, effect: &Effect, atom: usize, is_image: bool, before: &[Vec<Record>], all: &[Effect]) {
+        let made_available = |old: &Record, atom: usize| {
+            let for_it = |effect: &&Effect| effect.atoms.as_ref().is_none_or(|atoms| atoms.contains(&atom));
+            let mut effects = all.iter().filter(for_it);
+            effects.any(|effect| old.in_first_scope(&effect.scopes) && old.in_first_access_scope(&effect.scopes))
+        };
         let Effect { scopes, who, .. } = effect;
         let [from, to] = [scopes.from.layout, scopes.to.layout];
         let resource = self.atoms.resource(atom);
@@ -218,7 +223,7 @@ impl Replay<'_> {
             for (record, old) in self.parts[other].records.iter().zip(&before[other]) {
                 if !old.in_first_scope(scopes) {
                     wrong.push(format!("{who} does not wait for {} of {}", kind(record), record.who));
-                } else if record.writes() && !record.available {
+                } else if record.writes() && !old.is_available_to(scopes) && !made_available(old, other) {
                     wrong.push(format!("{who} comes before what {} wrote is available", record.who));
                 }
             }
@@ -456,16 +461,19 @@ impl Replay<'_> {
 }
 
 /// What one barrier call does to a record: ordering by all of its barriers, memory by those for its memory.
-fn apply<'a>(record: &mut Record, old: &Record, memory: impl Iterator<Item = &'a Effect> + Clone, all: &[Effect]) {
-    let inside = |effect: &&Effect| old.in_first_scope(&effect.scopes);
-    for effect in all.iter().filter(inside) {
+fn apply<'a>(record: &mut Record, old: &Record, memory: impl Iterator<Item = &'a Effect>, all: &[Effect]) {
+    for effect in all.iter().filter(|effect| old.in_first_scope(&effect.scopes)) {
         record.second_scope(&effect.scopes);
+        if old.writes() && old.is_available_to(&effect.scopes) {
+            record.make_available(&effect.scopes);
+        }
     }
-    if record.writes() {
-        let memory: Vec<_> = memory.filter(inside).collect();
-        record.available |= memory.iter().any(|effect| old.in_first_access_scope(&effect.scopes));
-        if record.available {
-            memory.iter().for_each(|effect| record.second_access_scope(&effect.scopes));
+    for effect in memory.filter(|effect| old.writes() && old.in_first_scope(&effect.scopes)) {
+        if old.in_first_access_scope(&effect.scopes) {
+            record.make_available(&effect.scopes);
+            record.second_access_scope(&effect.scopes);
+        } else if old.is_available_to(&effect.scopes) {
+            record.second_access_scope(&effect.scopes);
         }
     }
 }
@@ -487,8 +495,9 @@ fn conflict(
     if (record.writes() || writes) && !record.is_before(queue, stage) {
         return Some(format!("does not wait for {} of {}", kind(record), record.who));
     }
-    if record.writes() && writes && !record.available {
-        return Some(format!("is written before what {} wrote is available", record.who));
+    if record.writes() && writes && !record.is_available(queue, stage) {
+        let stages = [record.stage, stage].map(Stages::from_raw);
+        return Some(format!("is written before what {} wrote is available ({stages:?})", record.who));
     }
     let reads = if used.reads || used.makes.is_none() { used.access.reads() } else { Mask::NONE };
     let needed = reads | if read { Mask::NONE } else { used.access.writes() };
@@ -503,7 +512,7 @@ fn foreign_conflict(record: &Record, used: &Use, queue: Queue, stage: u64) -> Op
         if !record.is_before(queue, stage) {
             return Some(format!("shares memory, and does not wait for {} of {}", kind(record), record.who));
         }
-        if record.writes() && !record.available {
+        if record.writes() && !record.is_available(queue, stage) {
             return Some(format!("shares memory, and comes before what {} wrote is available", record.who));
         }
     }
