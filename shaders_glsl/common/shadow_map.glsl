@@ -19,6 +19,7 @@ float percentage_closer(sampler2DArrayShadow map, vec3 uv_layer, float reference
 vec3 lift_receiver(vec3 position, vec3 normal, vec3 to_light, float texel, int taps) {
     float cosine = clamp(dot(normal, to_light), 0.0, 1.0);
     float sine = sqrt(1.0 - cosine * cosine);
-    float radius = 0.5 * float(taps) + 0.5;
+    // To the farthest texel centre that a bilinear tap reads: half the grid and half a texel more, along the diagonal.
+    float radius = sqrt(2.0) * (0.5 * float(taps) + 0.5);
     return position + normal * (radius * texel * sine) + to_light * (0.25 * texel);
 }

@@ -136,7 +136,8 @@ impl Tally {
         left_out as f64 / (left_out + self.compared).max(1) as f64
     }
 
-    fn failure(&self, least_agreement: f64, most_left_out: f64) -> Option<String> {
+    /// Why a comparison fails, a sentence; see [`Comparison::check`].
+    pub fn failure(&self, least_agreement: f64, most_left_out: f64) -> Option<String> {
         if self.compared == 0 {
             return Some("nothing was compared".into());
         }

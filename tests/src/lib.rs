@@ -6,8 +6,11 @@
 pub mod compare;
 pub mod device;
 pub mod exr_file;
+pub mod figures;
 pub mod harness;
+pub mod hazard;
 pub mod judge;
 pub mod parallel;
+pub mod render;
 pub mod tiny;
 pub mod twin;

@@ -184,6 +184,15 @@ fn samples_narrow_only_floats() {
     assert_eq!(ids.clone().into_half(), (ids, HalfReport::default()));
     let (narrow, report) = Samples::F32(vec![70_000.0]).into_half();
     assert_eq!((narrow, report.clamped), (Samples::F16(vec![f16::MAX]), 1));
+    // What the device had to store as infinite counts too.
+    let stored = Samples::F16(vec![f16::NEG_INFINITY, f16::ONE, f16::INFINITY, f16::NAN]);
+    let (clamped, report) = stored.clone().into_half();
+    let Samples::F16(values) = clamped else { panic!() };
+    assert_eq!(values[..3], [f16::MIN, f16::ONE, f16::MAX]);
+    assert_eq!(report, HalfReport { clamped: 2, not_a_number: 1 });
+    assert_eq!(stored.into_f32()[..3], [f32::NEG_INFINITY, 1.0, f32::INFINITY]);
+    assert_eq!(Samples::U32(vec![3]).into_float(), Samples::U32(vec![3]));
+    assert_eq!(Samples::F16(vec![f16::ONE]).into_float(), Samples::F32(vec![1.0]));
 }
 
 #[test]

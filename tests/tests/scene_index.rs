@@ -293,3 +293,31 @@ fn generated_tangents_agree_with_stored_ones() {
     let agree = a.iter().zip(&b).filter(|(a, b)| a.truncate().dot(b.truncate()) > 0.95 && a.w == b.w).count();
     assert!(agree as f32 > 0.97 * a.len() as f32, "{agree} of {} agree", a.len());
 }
+
+/// The model shows the same part of a texture twice: by its coordinates, and by a turn, a scale and an offset.
+#[test]
+fn texture_transforms_turn_the_right_way() {
+    let Some((path, _)) = rows().into_iter().find(|(_, row)| row.file.starts_with("TextureTransformMultiTest")) else {
+        return;
+    };
+    let scene = Scene::load(path).unwrap();
+    // Coordinates at the corners of a quad, by position.
+    let corners = |name: &str| -> Vec<(Vec3, glam::Vec2)> {
+        let object = scene.objects.iter().find(|object| object.name == name).unwrap();
+        let primitive = &scene.meshes[object.mesh].primitives[0];
+        let slot = scene.materials[primitive.material].base_color_texture.unwrap();
+        let uvs = primitive.uvs[slot.uv_set].iter();
+        let transformed = uvs.map(|uv| (slot.transform * uv.extend(1.0)).truncate());
+        primitive.positions.iter().copied().zip(transformed).collect()
+    };
+    let sample = corners("BaseColorSample");
+    for name in ["BaseColorUV0", "BaseColorUV1"] {
+        let corners = corners(name);
+        assert_eq!(corners.len(), 4);
+        for (position, uv) in corners {
+            let (_, expected) =
+                sample.iter().min_by(|a, b| a.0.distance(position).total_cmp(&b.0.distance(position))).unwrap();
+            assert!(uv.distance(*expected) < 0.01, "{name} at {position}: {uv}, expected {expected}");
+        }
+    }
+}

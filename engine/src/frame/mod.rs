@@ -104,35 +104,37 @@ impl FrameSettings {
     /// Shadow maps of the first directional light and of the spots, and one image with a mask a layer.
     fn shadows<'f>(&self, graph: &mut Graph<'f>, scene: &'f GpuScene, receivers: &Receivers) -> Shadows {
         let lights = &scene.lights;
-        let sun = lights.iter().position(|light| matches!(light.kind, LightKind::Directional { .. }));
+        let sun = lights.iter().enumerate().find_map(|(i, light)| match light.kind {
+            LightKind::Directional { direction, .. } => Some((i, direction)),
+            LightKind::Point { .. } | LightKind::Spot { .. } => None,
+        });
         let spots: Vec<usize> = (0..lights.len()).filter(|&i| Spot::serves(&lights[i])).take(MAX_SPOTS).collect();
-        let order: Vec<usize> = sun.into_iter().chain(spots.iter().copied()).collect();
+        let count = u32::from(sun.is_some()) + spots.len() as u32;
 
+        // Masks: the sun's first, then the spots'.
         let mut shadows = Shadows::new(lights);
-        let without = (0..lights.len()).filter(|i| !order.contains(i));
-        shadows.warnings.extend(without.map(|i| format!("light `{}` casts no shadow", lights[i].name)));
-        if lights.len() > MAX_LIGHTS {
-            let without = lights.len() - MAX_LIGHTS;
-            shadows.warnings.push(format!("{without} lights after the first {MAX_LIGHTS} do not shine"));
+        if let Some((sun, _)) = sun {
+            shadows.of_lights[sun] = Some(LightShadow { mask: 0, index: 0 });
         }
-        if order.is_empty() {
+        for (index, &spot) in spots.iter().enumerate() {
+            let index = index as u32;
+            shadows.of_lights[spot] = Some(LightShadow { mask: u32::from(sun.is_some()) + index, index });
+        }
+        shadows.warn(lights);
+        if count == 0 {
             return shadows;
         }
-        for (mask, &light) in order.iter().enumerate() {
-            let index = mask - if light == order[0] && sun.is_some() { 0 } else { usize::from(sun.is_some()) };
-            shadows.of_lights[light] = Some(LightShadow { mask: mask as u32, index: index as u32 });
-        }
-        let shape = ImageShape::new_2d(vk::Format::R32_SFLOAT, self.view.size).layers(order.len() as u32);
+        let shape = ImageShape::new_2d(vk::Format::R32_SFLOAT, self.view.size).layers(count);
         let masks = graph.image("shadow.masks", shape);
         let mut layers = graph.split_layers(masks).into_iter();
-        let mut written = Vec::with_capacity(order.len());
-        if let (Some(sun), Some(layer)) = (sun, sun.and_then(|_| layers.next())) {
-            if let LightKind::Directional { direction, .. } = lights[sun].kind {
-                let cascaded = self.cascaded.record(graph, scene, receivers, direction, layer);
-                let CascadedShadow { mask, index, map, parameters } = cascaded;
-                written.push(mask);
-                shadows.sun = Some(SunShadow { index, map, parameters });
-            }
+        let mut written = Vec::with_capacity(layers.len());
+        if let Some((_, direction)) = sun
+            && let Some(layer) = layers.next()
+        {
+            let cascaded = self.cascaded.record(graph, scene, receivers, direction, layer);
+            let CascadedShadow { mask, index, map, parameters } = cascaded;
+            written.push(mask);
+            shadows.sun = Some(SunShadow { index, map, parameters });
         }
         let spot_lights: Vec<&Light> = spots.iter().map(|&i| &lights[i]).collect();
         if let Some(spots) = self.spot.record(graph, scene, receivers, &spot_lights, layers.collect()) {
@@ -169,5 +171,15 @@ struct SpotMaps {
 impl Shadows {
     fn new(lights: &[Light]) -> Self {
         Self { of_lights: vec![None; lights.len()], masks: None, sun: None, spots: None, warnings: Vec::new() }
+    }
+
+    /// Says which lights the frame does not show as the scene asks.
+    fn warn(&mut self, lights: &[Light]) {
+        let without = lights.iter().zip(&self.of_lights).take(MAX_LIGHTS).filter(|(_, shadow)| shadow.is_none());
+        self.warnings.extend(without.map(|(light, _)| format!("light `{}` casts no shadow", light.name)));
+        if lights.len() > MAX_LIGHTS {
+            let dark = lights.len() - MAX_LIGHTS;
+            self.warnings.push(format!("{dark} lights after the first {MAX_LIGHTS} do not shine"));
+        }
     }
 }

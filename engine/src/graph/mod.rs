@@ -15,5 +15,5 @@ pub use description::ImageShape;
 pub use errors::{ErrorKind, GraphError, GraphErrors};
 pub use execute::{Capture, Executed, Executor, PassTime};
 pub use handle::{BufferHandle, Handle, ImageHandle};
-pub use pass::{ComputePass, Load, RasterPass};
+pub use pass::{ComputePass, Fits, Load, RasterPass, Unchanging};
 pub use record::Recorder;

@@ -148,17 +148,23 @@ impl Batch {
     }
 }
 
-/// Begins dynamic rendering over `size` pixels, with viewport and scissor.
+/// What is rendered to.
+#[derive(Clone, Copy)]
+pub(super) struct Area {
+    pub(super) size: [u32; 2],
+    pub(super) layers: u32,
+    pub(super) view_mask: u32,
+}
+
+/// Begins dynamic rendering over an area, with viewport and scissor.
 pub(super) fn begin_rendering(
     device: &ash::Device,
     commands: &Commands,
     color: &[vk::RenderingAttachmentInfo],
     depth: Option<&vk::RenderingAttachmentInfo>,
-    stencil: Option<&vk::RenderingAttachmentInfo>,
-    size: [u32; 2],
-    layers: u32,
-    view_mask: u32,
+    area: Area,
 ) {
+    let Area { size, layers, view_mask } = area;
     let extent = vk::Extent2D { width: size[0], height: size[1] };
     let area = vk::Rect2D { offset: vk::Offset2D::default(), extent };
     let mut info = vk::RenderingInfo::default()
@@ -168,9 +174,6 @@ pub(super) fn begin_rendering(
         .color_attachments(color);
     if let Some(depth) = depth {
         info = info.depth_attachment(depth);
-    }
-    if let Some(stencil) = stencil {
-        info = info.stencil_attachment(stencil);
     }
     let viewport =
         vk::Viewport { width: size[0] as f32, height: size[1] as f32, max_depth: 1.0, ..vk::Viewport::default() };

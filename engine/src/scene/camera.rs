@@ -76,7 +76,7 @@ impl Camera {
         // Room around the scene, as a factor on its distance.
         const MARGIN: f32 = 1.04;
         let scale = bounds.min.abs().max(bounds.max.abs()).max_element();
-        let radius = bounds.radius().max(scale * 1e-6).max(1e-6);
+        let radius = bounds.radius().max(scale * 1e-3).max(1e-5);
         let back = Vec3::new(0.62, 0.42, 1.0).normalize();
         let mut camera = Self::look_at(bounds.center() + back, bounds.center(), Vec3::Y, FOV_Y, 1.0);
 

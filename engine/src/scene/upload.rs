@@ -300,7 +300,7 @@ fn material_record(material: &Material) -> blocks::Material {
     }
     blocks::Material {
         base_color: material.base_color.to_array(),
-        emissive: material.emissive.into(),
+        emissive: material.emissive,
         metallic: material.metallic,
         roughness: material.roughness,
         normal_scale: material.normal_scale,

@@ -150,7 +150,7 @@ pub struct GraphArguments {
     /// What is rendered.
     #[command(flatten)]
     pub frame: FrameArguments,
-    /// As a drawing for Graphviz, or as data
+    /// As a drawing for Graphviz, as data, or as lines to read
     #[arg(long, value_enum, default_value_t = GraphFormat::Dot)]
     pub format: GraphFormat,
 }
@@ -162,6 +162,8 @@ pub enum GraphFormat {
     Dot,
     /// One JSON object.
     Json,
+    /// Lines to read.
+    Text,
 }
 
 /// Arguments of `info`.

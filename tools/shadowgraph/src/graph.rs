@@ -1,8 +1,7 @@
 //! `graph`: prints the render graph of a frame.
 
 use shadowgraph::graph::Graph;
-use shadowgraph::graph::description::Description;
-use shadowgraph::graph::plan::Plan;
+use shadowgraph::graph::report::{self, Report};
 
 use crate::cli::{GraphArguments, GraphFormat};
 use crate::failure::{Failure, Result};
@@ -20,14 +19,14 @@ pub fn run(arguments: &GraphArguments) -> Result<()> {
     let mut graph = Graph::new("frame", gpu.caps());
     session::record(&settings, &mut graph, &scene)?;
     let plan = graph.compile(&gpu).map_err(shadowgraph::Error::from)?;
-    let text = text(&plan, graph.description(), arguments.format);
+    let description = graph.description();
+    let text = match arguments.format {
+        GraphFormat::Dot => report::dot(description, &plan),
+        GraphFormat::Json => Report::new(description, &plan).json().map_err(Failure::failed)?,
+        GraphFormat::Text => report::text(description, &plan),
+    };
     drop(graph);
     drop(scene);
     session::close(gpu)?;
-    print(text?)
-}
-
-// Until the graph's report lands.
-fn text(_: &Plan, _: &Description, format: GraphFormat) -> Result<String> {
-    Err(Failure::failed(format!("graphs cannot be printed as {format:?} yet")))
+    print(text.trim_end())
 }

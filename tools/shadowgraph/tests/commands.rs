@@ -222,13 +222,17 @@ fn what_half_floats_cannot_hold_is_told() {
 }
 
 #[test]
-#[ignore = "waits for the render graph's report"]
 fn graphs_are_printed() {
     let folder = tempfile::tempdir().unwrap();
     let dot = stdout(&succeeds(&folder, &["graph", "builtin:cornell", "--size", "64x36"]));
     assert!(dot.starts_with("digraph"), "{dot}");
     let json = stdout(&succeeds(&folder, &["graph", "builtin:cornell", "--size", "64x36", "--format", "json"]));
-    let _: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let graph: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let names: Vec<_> = graph["steps"].as_array().unwrap().iter().map(|step| step["name"].as_str().unwrap()).collect();
+    assert!(names.contains(&"gbuffer") && names.contains(&"lighting"), "{names:?}");
+    assert!(dot.contains("gbuffer"));
+    let lines = stdout(&succeeds(&folder, &["graph", "builtin:cornell", "--size", "64x36", "--format", "text"]));
+    assert!(lines.contains("gbuffer"), "{lines}");
 }
 
 #[test]

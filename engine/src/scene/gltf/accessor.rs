@@ -101,7 +101,7 @@ impl<'a> File<'a> {
         if elements.component == ComponentType::U32 {
             return Err(self.error(at, "32-bit integers are not allowed here"));
         }
-        self.spend(elements.count as u64 * N as u64 * 4, at)?;
+        self.spend((elements.count as u64).saturating_mul(N as u64 * 4), at)?;
         let normal = elements.normalized;
         Ok(match elements.component {
             ComponentType::F32 => elements.gather(f32::from_le_bytes),
@@ -123,7 +123,7 @@ impl<'a> File<'a> {
             let what = format!("{:?} is not allowed here: {N} components are needed", elements.kind);
             return Err(self.error(at, what));
         }
-        self.spend(elements.count as u64 * N as u64 * 4, at)?;
+        self.spend((elements.count as u64).saturating_mul(N as u64 * 4), at)?;
         match elements.component {
             ComponentType::U8 => Ok(elements.gather(|[v]: [u8; 1]| u32::from(v))),
             ComponentType::U16 => Ok(elements.gather(|v| u32::from(u16::from_le_bytes(v)))),

@@ -18,6 +18,7 @@ mod texture;
 mod uri;
 
 use std::{
+    collections::HashSet,
     fmt::Display,
     path::Path,
     sync::atomic::{AtomicU64, Ordering},
@@ -125,14 +126,11 @@ fn place(kind: &str, index: usize, name: Option<&String>) -> String {
 
 /// Sentences on what of the file is not taken in, for the file as a whole.
 fn passed_over(root: &json::Root) -> Vec<String> {
-    let optional = root.extensions_used.iter().filter(|e| !container::SUPPORTED.contains(&e.as_str()));
-    let mut warnings: Vec<String> = Vec::new();
-    for extension in optional {
-        let warning = format!("the optional extension {extension} is not supported and has no effect");
-        if !warnings.contains(&warning) {
-            warnings.push(warning);
-        }
-    }
+    let mut said = HashSet::new();
+    let unknown = root.extensions_used.iter().filter(|e| !container::SUPPORTED.contains(&e.as_str()));
+    let once = unknown.filter(|extension| said.insert(extension.as_str()));
+    let mut warnings: Vec<String> =
+        once.map(|e| format!("the optional extension {} is not supported and has no effect", uri::short(e))).collect();
     if !root.animations.is_empty() {
         let count = root.animations.len();
         warnings.push(format!("{count} animations are passed over: the scene is in its rest pose"));

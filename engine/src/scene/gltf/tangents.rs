@@ -1,18 +1,92 @@
 //! Tangents by MikkTSpace, as glTF 2.0 asks where a file has none (section 3.7.2.1).
 
+use std::collections::HashMap;
+
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::{Vec3, Vec4};
 
-use crate::scene::{Primitive, TextureSlot};
+use crate::scene::{Primitive, TextureSlot, parallel};
 
 /// Gives each vertex a tangent along u as the normal map is laid, with its transform. Where triangles that share a
 /// vertex disagree, it is split. All other attributes stand already.
 pub fn generate(primitive: &mut Primitive, normal_map: &TextureSlot) {
-    let mut corners = Corners { primitive, normal_map, tangents: vec![Vec4::ZERO; primitive.indices.len()] };
+    let groups = independent_faces(primitive, normal_map);
+    let of_group = |i: usize| Ok(corner_tangents(primitive, normal_map, &groups[i]));
+    // Tangents perpendicular to the normals stand in for a group that could not be done.
+    let done: Result<Vec<_>, ()> = parallel::map(groups.len(), of_group, |_| ());
+    let mut corners: Vec<Vec4> = primitive
+        .indices
+        .iter()
+        .map(|&index| repaired(Vec4::W, primitive.normals.get(index as usize).copied().unwrap_or(Vec3::Y)))
+        .collect();
+    let (faces, _) = corners.as_chunks_mut::<3>();
+    for (&face, tangents) in groups.iter().flatten().zip(done.unwrap_or_default().iter().flatten()) {
+        faces[face] = *tangents;
+    }
+    split(primitive, &corners);
+}
+
+/// Tangents of these faces, by face and corner.
+fn corner_tangents(primitive: &Primitive, normal_map: &TextureSlot, faces: &[usize]) -> Vec<[Vec4; 3]> {
+    let mut corners = Corners { primitive, normal_map, faces, tangents: vec![[Vec4::ZERO; 3]; faces.len()] };
     // Its error type has no value.
     let _ = generate_tangents(&mut corners);
-    let tangents = corners.tangents;
-    split(primitive, &tangents);
+    corners.tangents
+}
+
+/// Faces in groups, so that faces of different groups have no vertex in common. MikkTSpace looks no further than
+/// that: the groups can be done at the same time, with the same result.
+fn independent_faces(primitive: &Primitive, normal_map: &TextureSlot) -> Vec<Vec<usize>> {
+    /// A mesh of fewer faces is done sooner than it is divided.
+    const WORTHWHILE: usize = 10_000;
+    const GROUPS: usize = 8;
+    let faces = primitive.indices.as_chunks::<3>().0;
+    if faces.len() < WORTHWHILE {
+        return vec![(0..faces.len()).collect()];
+    }
+
+    // 1. Vertices that MikkTSpace welds have equal position, normal and coordinates. Adding 0 makes -0 equal to 0.
+    let whole = Corners { primitive, normal_map, faces: &[], tangents: Vec::new() };
+    let mut welded = HashMap::new();
+    let mut parents: Vec<usize> = Vec::with_capacity(primitive.positions.len());
+    for (vertex, (position, normal)) in primitive.positions.iter().zip(&primitive.normals).enumerate() {
+        let [u, v] = whole.coordinates(vertex);
+        let key = [position.x, position.y, position.z, normal.x, normal.y, normal.z, u, v].map(|x| (x + 0.0).to_bits());
+        parents.push(*welded.entry(key).or_insert(vertex));
+    }
+
+    // 2. The corners of a face belong together.
+    fn root(parents: &mut [usize], mut vertex: usize) -> usize {
+        while parents[vertex] != vertex {
+            parents[vertex] = parents[parents[vertex]];
+            vertex = parents[vertex];
+        }
+        vertex
+    }
+    for face in faces {
+        let [a, b, c] = face.map(|index| root(&mut parents, index as usize));
+        let least = a.min(b).min(c);
+        for other in [a, b, c] {
+            parents[other] = least;
+        }
+    }
+
+    // 3. Whole islands into the group that has the fewest faces so far; faces keep their order.
+    let mut sizes = vec![0usize; parents.len()];
+    let roots: Vec<usize> = faces.iter().map(|face| root(&mut parents, face[0] as usize)).collect();
+    roots.iter().for_each(|&root| sizes[root] += 1);
+    let mut group_of = vec![usize::MAX; parents.len()];
+    let mut filled = [0usize; GROUPS];
+    let mut groups = vec![Vec::new(); GROUPS];
+    for (face, &root) in roots.iter().enumerate() {
+        if group_of[root] == usize::MAX {
+            let emptiest = (0..GROUPS).min_by_key(|&group| filled[group]).unwrap_or(0);
+            group_of[root] = emptiest;
+            filled[emptiest] += sizes[root];
+        }
+        groups[group_of[root]].push(face);
+    }
+    groups
 }
 
 /// Unit length and a sign; where there is no direction, one perpendicular to the normal.
@@ -24,18 +98,30 @@ pub fn repaired(tangent: Vec4, normal: Vec3) -> Vec4 {
 struct Corners<'a> {
     primitive: &'a Primitive,
     normal_map: &'a TextureSlot,
-    tangents: Vec<Vec4>,
+    /// The faces that are looked at.
+    faces: &'a [usize],
+    tangents: Vec<[Vec4; 3]>,
 }
 
 impl Corners<'_> {
     fn vertex(&self, face: usize, corner: usize) -> usize {
-        self.primitive.indices.get(face * 3 + corner).map_or(0, |&index| index as usize)
+        let index = self.faces.get(face).and_then(|face| self.primitive.indices.get(face * 3 + corner));
+        index.map_or(0, |&index| index as usize)
+    }
+
+    /// MikkTSpace has v point up, glTF down: its bitangent is to point up the image.
+    fn coordinates(&self, vertex: usize) -> [f32; 2] {
+        let TextureSlot { uv_set, transform, .. } = *self.normal_map;
+        self.primitive.uvs.get(uv_set).and_then(|uvs| uvs.get(vertex)).map_or([0.0; 2], |&uv| {
+            let uv = transform.transform_point2(uv);
+            [uv.x, 1.0 - uv.y]
+        })
     }
 }
 
 impl Geometry for Corners<'_> {
     fn num_faces(&self) -> usize {
-        self.primitive.indices.len() / 3
+        self.faces.len()
     }
 
     fn num_vertices_of_face(&self, _: usize) -> usize {
@@ -51,19 +137,13 @@ impl Geometry for Corners<'_> {
     }
 
     fn tex_coord(&self, face: usize, corner: usize) -> [f32; 2] {
-        // MikkTSpace has v point up, glTF down: its bitangent is to point up the image.
-        let TextureSlot { uv_set, transform, .. } = *self.normal_map;
-        let uv = self.primitive.uvs.get(uv_set).and_then(|uvs| uvs.get(self.vertex(face, corner)));
-        uv.map_or([0.0; 2], |&uv| {
-            let uv = transform.transform_point2(uv);
-            [uv.x, 1.0 - uv.y]
-        })
+        self.coordinates(self.vertex(face, corner))
     }
 
     fn set_tangent(&mut self, space: Option<TangentSpace>, face: usize, corner: usize) {
         let normal = Vec3::from(self.normal(face, corner));
         let tangent = space.map_or(Vec4::W, |space| Vec4::from(space.tangent_encoded()));
-        if let Some(place) = self.tangents.get_mut(face * 3 + corner) {
+        if let Some(place) = self.tangents.get_mut(face).and_then(|corners| corners.get_mut(corner)) {
             *place = repaired(tangent, normal);
         }
     }
@@ -183,5 +263,45 @@ mod tests {
         assert!(right.x > 0.99 && left.x < -0.99, "{right} {left}");
         assert_eq!(right.w, -left.w);
         assert_eq!(primitive.positions[primitive.indices[3] as usize], Vec3::ZERO);
+    }
+
+    #[test]
+    fn groups_of_faces_give_what_the_whole_gives() {
+        // Forty bent patches of 288 triangles with their faces interleaved; half of them mirror their coordinates.
+        let mut primitive = Primitive::default();
+        let mut faces: Vec<Vec<[u32; 3]>> = Vec::new();
+        for patch in 0..40u32 {
+            let first = primitive.positions.len() as u32;
+            for (i, j) in (0..13).flat_map(|j| (0..13).map(move |i| (i as f32, j as f32))) {
+                primitive
+                    .positions
+                    .push(Vec3::new(i, j, (i * 0.7).sin() + (j * 0.4).cos()) + Vec3::X * 20.0 * patch as f32);
+                primitive.normals.push(Vec3::new((i * 0.7).cos() * -0.7, (j * 0.4).sin() * 0.4, 1.0).normalize());
+                let side = if patch % 2 == 0 { 1.0 } else { -1.0 };
+                primitive.uvs[0].push(Vec2::new(side * i * 0.1 + 0.01 * j, j * j * 0.02));
+                primitive.uvs[1].push(Vec2::ZERO);
+                primitive.colors.push(Vec4::ONE);
+            }
+            let quads = (0..12).flat_map(|j| (0..12).map(move |i| first + j * 13 + i));
+            faces.push(quads.flat_map(|q| [[q, q + 1, q + 14], [q, q + 14, q + 13]]).collect());
+        }
+        let interleaved = (0..288).flat_map(|k| faces.iter().map(move |patch| patch[k]));
+        primitive.indices = interleaved.flatten().collect();
+
+        let groups = independent_faces(&primitive, &map(0));
+        assert_eq!(groups.len(), 8);
+        assert!(
+            groups.iter().all(|group| group.len() == 5 * 288),
+            "{:?}",
+            groups.iter().map(Vec::len).collect::<Vec<_>>()
+        );
+        let all: Vec<usize> = (0..primitive.indices.len() / 3).collect();
+        let whole = corner_tangents(&primitive, &map(0), &all);
+        for group in &groups {
+            let part = corner_tangents(&primitive, &map(0), group);
+            for (face, tangents) in group.iter().zip(part) {
+                assert_eq!(tangents, whole[*face], "face {face}");
+            }
+        }
     }
 }

@@ -53,31 +53,33 @@ pub fn load(file: &File, used: &[UsedTexture]) -> Result<Vec<Texture>> {
 /// Size and RGBA8 rows from the top. Colour-space chunks have no effect (section 3.9.2).
 fn decode(file: &File, image: usize, at: &str, left: &AtomicU64) -> Result<([u32; 2], Arc<[u8]>)> {
     let Some(source) = file.root.images.get(image) else { return Err(file.error(at, "there is no such image")) };
+    let mut at = at.to_owned();
     let read;
     let bytes: &[u8] = match (&source.uri, source.buffer_view) {
         (Some(text), _) => {
-            read = match uri::parse(text).map_err(|what| file.error(at, what))? {
+            read = match uri::parse(text).map_err(|what| file.error(&at, what))? {
                 uri::Uri::Data(data) => data,
                 uri::Uri::File(name) => {
-                    let whole = file.path.with_file_name(name);
-                    uri::read_file(&whole, DECODED_LIMIT).map_err(|error| file.error(at, error.to_string()))?
+                    let whole = file.path.with_file_name(&name);
+                    at = format!("{at}, {}", name.display());
+                    uri::read_file(&whole, DECODED_LIMIT).map_err(|error| file.error(&at, error.to_string()))?
                 }
             };
             &read
         }
-        (None, Some(view)) => file.view(view, at)?,
-        (None, None) => return Err(file.error(at, "has neither a URI nor a bufferView")),
+        (None, Some(view)) => file.view(view, &at)?,
+        (None, None) => return Err(file.error(&at, "has neither a URI nor a bufferView")),
     };
 
-    let fail = |error: image::ImageError| file.error(at, format!("broken image: {error}"));
+    let fail = |error: image::ImageError| file.error(&at, format!("broken image: {error}"));
     let format = image::guess_format(bytes).ok();
     let Some(format) = format.filter(|format| matches!(format, ImageFormat::Png | ImageFormat::Jpeg)) else {
-        return Err(file.error(at, "is neither PNG nor JPEG"));
+        return Err(file.error(&at, "is neither PNG nor JPEG"));
     };
     let reader = || ImageReader::with_format(Cursor::new(bytes), format);
     let (width, height) = reader().into_dimensions().map_err(fail)?;
-    let texels = u64::from(width) * u64::from(height);
-    let spend = |left: u64| left.checked_sub(texels * 4);
+    let bytes_decoded = (u64::from(width) * u64::from(height)).saturating_mul(4);
+    let spend = |left: u64| left.checked_sub(bytes_decoded);
     if width > SIDE_LIMIT
         || height > SIDE_LIMIT
         || left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, spend).is_err()
@@ -85,7 +87,7 @@ fn decode(file: &File, image: usize, at: &str, left: &AtomicU64) -> Result<([u32
         let what = format!(
             "{width}×{height} is too large: {SIDE_LIMIT} texels a side and {DECODED_LIMIT} bytes in all are allowed"
         );
-        return Err(file.error(at, what));
+        return Err(file.error(&at, what));
     }
     let mut reader = reader();
     let mut limits = Limits::default();
@@ -94,7 +96,7 @@ fn decode(file: &File, image: usize, at: &str, left: &AtomicU64) -> Result<([u32
     let pixels = reader.decode().map_err(fail)?.into_rgba8();
     let size = [pixels.width(), pixels.height()];
     if size.contains(&0) {
-        return Err(file.error(at, "has no texels"));
+        return Err(file.error(&at, "has no texels"));
     }
     Ok((size, pixels.into_raw().into()))
 }

@@ -1,5 +1,7 @@
 //! What the courtyard's surfaces look like at each point of their textures.
 
+use std::sync::LazyLock;
+
 use glam::{Vec2, Vec3, vec2, vec3};
 
 use crate::scene::builtin::{
@@ -151,13 +153,21 @@ pub fn earth(noise: &Noise, p: Vec2) -> Texel {
     Texel { color, height: 0.03 * fine + 0.02 * coarse, ..Texel::default() }
 }
 
-/// Leaves that are nowhere leave their colour, so that filtering shows no rim.
-fn sprig(p: Vec2, leaves: impl Iterator<Item = (Vec2, Vec2, f32, Vec3)>, stem: bool, ground: Vec3) -> Texel {
+/// A leaf of a card, in the unit square.
+struct Leaf {
+    base: Vec2,
+    axis: Vec2,
+    width: f32,
+    color: Vec3,
+}
+
+/// Where there is no leaf the colour goes on as `ground`, so that filtering shows no rim.
+fn sprig(p: Vec2, leaves: &[Leaf], stem: bool, ground: Vec3) -> Texel {
     let mut texel = Texel { color: ground, alpha: 0.0, ..Texel::default() };
     if stem && (p.x - 0.5).abs() < 0.012 && p.y > 0.12 {
         texel = Texel { color: vec3(0.34, 0.30, 0.16), ..Texel::default() };
     }
-    for (base, axis, width, color) in leaves {
+    for &Leaf { base, axis, width, color } in leaves {
         if let Some((inside, side)) = leaf(p, base, axis, width) {
             let vein = 0.85 + 0.25 * step(0.0, 0.25, side);
             texel.color = texel.color.lerp(color * vein, inside);
@@ -169,52 +179,61 @@ fn sprig(p: Vec2, leaves: impl Iterator<Item = (Vec2, Vec2, f32, Vec3)>, stem: b
 
 /// A sprig of fifteen leaves, its stem at the lower edge.
 pub fn leaves(_: &Noise, p: Vec2) -> Texel {
-    let pairs = (0..15).map(|i| {
-        let side = if i % 2 == 0 { 1.0 } else { -1.0 };
-        let y = 0.97 - 0.055 * i as f32;
-        let (id, other) = (hash(i, 1, 3), hash(i, 2, 3));
-        let axis = if i == 14 { vec2(0.0, -0.19) } else { vec2(side * (0.34 + 0.1 * id), -0.10 - 0.12 * other) };
-        let color = vec3(0.25, 0.36, 0.15).lerp(vec3(0.44, 0.50, 0.24), id) * (0.85 + 0.3 * other);
-        (vec2(0.5, y), axis, 0.068, color)
+    static LEAVES: LazyLock<Vec<Leaf>> = LazyLock::new(|| {
+        let leaf = |i: u32| {
+            let side = if i.is_multiple_of(2) { 1.0 } else { -1.0 };
+            let (id, other) = (hash(i, 1, 3), hash(i, 2, 3));
+            let axis = if i == 14 { vec2(0.0, -0.19) } else { vec2(side * (0.34 + 0.1 * id), -0.10 - 0.12 * other) };
+            let color = vec3(0.25, 0.36, 0.15).lerp(vec3(0.44, 0.50, 0.24), id) * (0.85 + 0.3 * other);
+            Leaf { base: vec2(0.5, 0.97 - 0.055 * i as f32), axis, width: 0.068, color }
+        };
+        (0..15).map(leaf).collect()
     });
-    sprig(p, pairs, true, vec3(0.33, 0.45, 0.15))
+    sprig(p, &LEAVES, true, vec3(0.33, 0.42, 0.18))
 }
 
 /// Nine leaves of three lobes.
 pub fn ivy(_: &Noise, p: Vec2) -> Texel {
-    // Each leaf has three lobes.
-    let lobes = (0..9u32).flat_map(|i| {
-        let center = vec2(0.2 + 0.3 * (i % 3) as f32, 0.24 + 0.3 * (i / 3) as f32);
-        let center = center + 0.12 * vec2(hash(i, 3, 9) - 0.5, hash(i, 4, 9) - 0.5);
-        let turn = hash(i, 5, 9) * std::f32::consts::TAU;
-        let color = vec3(0.14, 0.30, 0.10).lerp(vec3(0.34, 0.46, 0.18), hash(i, 6, 9));
-        [-1.0f32, 0.0, 1.0].map(|lobe| {
-            let length = 0.19 - 0.04 * lobe.abs();
+    static LOBES: LazyLock<Vec<Leaf>> = LazyLock::new(|| {
+        let lobes = |i: u32| {
+            let center = vec2(0.2 + 0.3 * (i % 3) as f32, 0.24 + 0.3 * (i / 3) as f32);
+            let center = center + 0.12 * vec2(hash(i, 3, 9) - 0.5, hash(i, 4, 9) - 0.5);
+            let turn = hash(i, 5, 9) * std::f32::consts::TAU;
             let base = center - 0.06 * Vec2::from_angle(turn);
-            (base, length * Vec2::from_angle(turn + 0.85 * lobe), 0.07, color)
-        })
+            let color = vec3(0.14, 0.30, 0.10).lerp(vec3(0.34, 0.46, 0.18), hash(i, 6, 9));
+            [-1.0f32, 0.0, 1.0].map(|lobe| {
+                let axis = (0.19 - 0.04 * lobe.abs()) * Vec2::from_angle(turn + 0.85 * lobe);
+                Leaf { base, axis, width: 0.07, color }
+            })
+        };
+        (0..9).flat_map(lobes).collect()
     });
-    sprig(p, lobes, false, vec3(0.24, 0.38, 0.14))
+    sprig(p, &LOBES, false, vec3(0.24, 0.38, 0.14))
 }
 
 /// Flowers of three colours on stalks.
 pub fn flowers(_: &Noise, p: Vec2) -> Texel {
-    let stalks = (0..10u32).map(|i| {
-        let x = 0.08 + 0.093 * i as f32;
-        let lean = 0.2 * (hash(i, 1, 17) - 0.5);
-        (vec2(x, 1.0), vec2(lean, -0.45 - 0.25 * hash(i, 2, 17)), 0.02, vec3(0.26, 0.42, 0.16))
+    static STALKS: LazyLock<Vec<Leaf>> = LazyLock::new(|| {
+        let stalk = |i: u32| {
+            let axis = vec2(0.2 * (hash(i, 1, 17) - 0.5), -0.45 - 0.25 * hash(i, 2, 17));
+            Leaf { base: vec2(0.08 + 0.093 * i as f32, 1.0), axis, width: 0.02, color: vec3(0.26, 0.42, 0.16) }
+        };
+        (0..10).map(stalk).collect()
     });
-    let mut texel = sprig(p, stalks, false, vec3(0.40, 0.40, 0.25));
+    let mut texel = sprig(p, &STALKS, false, vec3(0.40, 0.40, 0.25));
     for i in 0..9u32 {
         let center = vec2(0.12 + 0.095 * i as f32, 0.16 + 0.5 * hash(i, 7, 17));
-        let petals = ["rose", "lilac", "white"].len() as u32;
-        let color = match (hash(i, 8, 17) * petals as f32) as u32 {
+        let from_center = p - center;
+        let radius = from_center.length();
+        if radius > 0.07 {
+            continue;
+        }
+        let color = match (hash(i, 8, 17) * 3.0) as u32 {
             0 => vec3(0.80, 0.16, 0.34),
             1 => vec3(0.52, 0.34, 0.74),
             _ => vec3(0.93, 0.88, 0.80),
         };
-        let from_center = p - center;
-        let (radius, angle) = (from_center.length(), from_center.y.atan2(from_center.x));
+        let angle = from_center.y.atan2(from_center.x);
         let rim = 0.062 * (0.72 + 0.28 * (angle * 5.0).cos().abs());
         if radius < rim {
             let heart = 1.0 - step(0.012, 0.02, radius);
@@ -237,10 +256,10 @@ pub fn banner(noise: &Noise, p: Vec2) -> Texel {
     let gold = vec3(0.86, 0.66, 0.22);
     let mut color = vec3(0.60, 0.07, 0.09);
     let from_sun = (p - vec2(0.5, 0.34)) * vec2(1.0, 2.4);
-    let (radius, angle) = (from_sun.length(), from_sun.y.atan2(from_sun.x));
+    let radius = from_sun.length();
     let border = p.x.min(1.0 - p.x);
     let wave = 0.62 + 0.018 * (p.x * 4.0 * std::f32::consts::TAU).sin();
-    let rays = radius < 0.30 && radius > 0.20 && (angle * 8.0).cos() > 0.25;
+    let rays = radius < 0.30 && radius > 0.20 && (from_sun.y.atan2(from_sun.x) * 8.0).cos() > 0.25;
     let waves = (0..4).any(|i| (p.y - wave - 0.05 * i as f32).abs() < 0.010);
     if radius < 0.165 || rays || waves || (0.05..0.09).contains(&border) || (0.955..0.985).contains(&p.y) {
         color = gold;

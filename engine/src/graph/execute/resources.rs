@@ -1,0 +1,66 @@
+//! The images and buffers of a frame, and what planning asks of the device about them.
+
+use ash::vk;
+
+use crate::gpu::{Buffer, BufferInfo, Gpu, Image, ImageInfo, Memory, Requirements};
+use crate::graph::builder::External;
+use crate::graph::description::{ImageShape, Queue, ResourceId, Shape};
+use crate::graph::plan::{self, DeviceModel, Usage};
+
+/// Memory of a frame's resources, by their number.
+pub(super) struct Resources(pub(super) Vec<Option<External>>);
+
+impl Resources {
+    pub(super) fn image(&self, resource: ResourceId) -> Option<&Image> {
+        match self.0.get(resource.0 as usize) {
+            Some(Some(External::Image(image))) => Some(image),
+            _ => None,
+        }
+    }
+
+    pub(super) fn buffer(&self, resource: ResourceId) -> Option<&Buffer> {
+        match self.0.get(resource.0 as usize) {
+            Some(Some(External::Buffer(buffer))) => Some(buffer),
+            _ => None,
+        }
+    }
+}
+
+pub(super) fn image_info<'a>(name: &'a str, shape: &ImageShape, usage: vk::ImageUsageFlags) -> ImageInfo<'a> {
+    ImageInfo {
+        name,
+        format: shape.format,
+        extent: shape.extent,
+        mips: shape.mips,
+        layers: shape.layers,
+        samples: shape.samples,
+        usage,
+        ..ImageInfo::default()
+    }
+}
+
+/// What the planner asks of a device.
+impl DeviceModel for Gpu {
+    /// One queue does everything: a second one pays off only where the device has it, and no software driver does.
+    fn family(&self, queue: Queue) -> Option<u32> {
+        (queue == Queue::Graphics).then_some(self.caps().queue_family)
+    }
+
+    fn requirements(&self, shape: &Shape, usage: Usage) -> plan::Requirements {
+        let asked = match (shape, usage) {
+            (Shape::Image(shape), Usage::Image(usage)) => self.image_requirements(&image_info("", shape, usage)),
+            (&Shape::Buffer { size }, Usage::Buffer(usage)) => {
+                self.buffer_requirements(&BufferInfo { name: "", size, usage, memory: Memory::Device })
+            }
+            _ => return plan::Requirements { size: 0, alignment: 1, type_bits: 0 },
+        };
+        // What the device cannot make at all is found again, with its name, where the frame makes it.
+        let none = Requirements { size: 0, alignment: 1, type_bits: 0 };
+        let Requirements { size, alignment, type_bits } = asked.unwrap_or(none);
+        plan::Requirements { size, alignment, type_bits }
+    }
+
+    fn granularity(&self) -> u64 {
+        self.caps().limits.buffer_image_granularity.max(1)
+    }
+}

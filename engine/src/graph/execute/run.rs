@@ -1,0 +1,145 @@
+//! From a planned step to commands.
+
+use ash::vk;
+
+use super::resources::Resources;
+use crate::gpu::{Commands, ViewInfo};
+use crate::graph::description::Range;
+use crate::graph::pass::{Attachment, Attachments, DrawFn, Groups, Work};
+use crate::graph::plan::Barriers;
+use crate::graph::record::{self, Batch, Ready, Recorder};
+use crate::{Error, Result};
+
+/// What a pass does.
+pub(super) fn run(
+    device: &ash::Device,
+    commands: &Commands,
+    work: Work,
+    programs: &[Ready],
+    memory: &Resources,
+) -> Result<()> {
+    match work {
+        Work::Compute { push, groups, .. } => {
+            let Some(ready) = programs.first() else { return Ok(()) };
+            match groups {
+                Groups::Direct(groups) => record::dispatch(device, commands, ready, &push, groups, None),
+                Groups::Indirect(resource, offset) => {
+                    let indirect = memory.buffer(resource).map(|buffer| (buffer, offset));
+                    record::dispatch(device, commands, ready, &push, [0; 3], indirect);
+                }
+            }
+            Ok(())
+        }
+        Work::Raster { targets, attachments, draw, .. } => {
+            render(device, commands, &attachments, targets.view_mask, programs, draw, memory)
+        }
+        Work::Fill { resource, range: Range::Buffer(range), value } => {
+            if let Some(buffer) = memory.buffer(resource) {
+                record::fill(device, commands, buffer, range, value);
+            }
+            Ok(())
+        }
+        Work::Clear { resource, range, value } => {
+            if let (Some(image), Some(range)) = (memory.image(resource), subresources(range)) {
+                record::clear(device, commands, image, range, value);
+            }
+            Ok(())
+        }
+        Work::Fill { .. } => Ok(()),
+    }
+}
+
+fn render(
+    device: &ash::Device,
+    commands: &Commands,
+    attachments: &Attachments,
+    view_mask: u32,
+    programs: &[Ready],
+    draw: DrawFn,
+    memory: &Resources,
+) -> Result<()> {
+    let info = |attachment: &Attachment| -> Result<vk::RenderingAttachmentInfo<'static>> {
+        let image = memory.image(attachment.resource);
+        let image = image.ok_or_else(|| Error::invalid("an attachment", "has no image behind it"))?;
+        let Range::Image { aspects, mips, layers } = attachment.range else {
+            return Err(Error::invalid("an attachment", "is a buffer"));
+        };
+        let array = layers[1] - layers[0] > 1;
+        let kind = if array { vk::ImageViewType::TYPE_2D_ARRAY } else { vk::ImageViewType::TYPE_2D };
+        let view = image.view(&ViewInfo { kind, aspects, mips, layers, ..image.whole() })?;
+        Ok(vk::RenderingAttachmentInfo::default()
+            .image_view(view)
+            .image_layout(attachment.layout)
+            .load_op(attachment.load)
+            .store_op(attachment.store)
+            .clear_value(attachment.clear))
+    };
+    let color = attachments.color.iter().flatten().map(info).collect::<Result<Vec<_>>>()?;
+    let depth = attachments.depth.as_ref().map(info).transpose()?;
+    let area = record::Area { size: attachments.size, layers: attachments.layers, view_mask };
+    record::begin_rendering(device, commands, &color, depth.as_ref(), area);
+    let drawn = draw(&mut Recorder::new(device, commands, programs));
+    record::end_rendering(device, commands);
+    drawn
+}
+
+/// Vulkan's barriers from the plan's.
+pub(super) fn batch(barriers: &Barriers, memory: &Resources) -> Batch {
+    let mut batch = Batch::default();
+    for barrier in &barriers.memory {
+        batch.memory.push(
+            vk::MemoryBarrier2::default()
+                .src_stage_mask(barrier.from.stages)
+                .src_access_mask(barrier.from.mask)
+                .dst_stage_mask(barrier.to.stages)
+                .dst_access_mask(barrier.to.mask),
+        );
+    }
+    for barrier in &barriers.images {
+        let (Some(image), Some(range)) = (memory.image(barrier.resource), subresources(barrier.range)) else {
+            continue;
+        };
+        batch.images.push(
+            vk::ImageMemoryBarrier2::default()
+                .src_stage_mask(barrier.from.stages)
+                .src_access_mask(barrier.from.mask)
+                .dst_stage_mask(barrier.to.stages)
+                .dst_access_mask(barrier.to.mask)
+                .old_layout(barrier.from.layout)
+                .new_layout(barrier.to.layout)
+                .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+                .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+                .image(image.raw())
+                .subresource_range(range),
+        );
+    }
+    for barrier in &barriers.buffers {
+        let (Some(buffer), Range::Buffer([first, end])) = (memory.buffer(barrier.resource), barrier.range) else {
+            continue;
+        };
+        batch.buffers.push(
+            vk::BufferMemoryBarrier2::default()
+                .src_stage_mask(barrier.from.stages)
+                .src_access_mask(barrier.from.mask)
+                .dst_stage_mask(barrier.to.stages)
+                .dst_access_mask(barrier.to.mask)
+                .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+                .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+                .buffer(buffer.raw())
+                .offset(first)
+                .size(end - first),
+        );
+    }
+    batch
+}
+
+pub(super) fn subresources(range: Range) -> Option<vk::ImageSubresourceRange> {
+    let Range::Image { aspects, mips, layers } = range else { return None };
+    Some(vk::ImageSubresourceRange {
+        aspect_mask: aspects,
+        base_mip_level: mips[0],
+        level_count: mips[1] - mips[0],
+        base_array_layer: layers[0],
+        layer_count: layers[1] - layers[0],
+    })
+}

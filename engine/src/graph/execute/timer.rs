@@ -1,0 +1,46 @@
+//! How long passes take on the device.
+
+use crate::Result;
+use crate::gpu::{Commands, Feature, Gpu, QueryKind, QueryPool};
+use crate::graph::record;
+
+/// How long a pass took.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PassTime {
+    /// Name of the pass.
+    pub name: String,
+    /// Seconds on the device.
+    pub seconds: f64,
+}
+
+/// Two timestamps a step, where the device has them.
+pub(super) struct Timer {
+    pool: Option<QueryPool>,
+}
+
+impl Timer {
+    pub(super) fn new(gpu: &Gpu, steps: usize) -> Result<Self> {
+        if steps == 0 || !gpu.caps().has(Feature::Timestamps) {
+            return Ok(Self { pool: None });
+        }
+        let pool = gpu.query_pool("pass times", QueryKind::Timestamp, 2 * steps as u32)?;
+        pool.reset();
+        Ok(Self { pool: Some(pool) })
+    }
+
+    pub(super) fn mark(&self, device: &ash::Device, commands: &Commands, index: usize) {
+        if let Some(pool) = &self.pool {
+            record::timestamp(device, commands, pool, index as u32);
+        }
+    }
+
+    pub(super) fn times(&self, names: Vec<String>) -> Result<Vec<PassTime>> {
+        let Some(pool) = &self.pool else { return Ok(Vec::new()) };
+        let marks = pool.nanoseconds()?;
+        let time = |(i, name): (usize, String)| {
+            let (start, end) = (marks.get(2 * i).copied().flatten()?, marks.get(2 * i + 1).copied().flatten()?);
+            Some(PassTime { name, seconds: (end - start).max(0.0) * 1e-9 })
+        };
+        Ok(names.into_iter().enumerate().filter_map(time).collect())
+    }
+}

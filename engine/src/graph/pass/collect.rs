@@ -1,0 +1,118 @@
+//! What both kinds of pass collect: bindings, and the uses that follow from them.
+
+use ash::vk;
+
+use super::{Bound, What};
+use crate::gpu::SamplerInfo;
+use crate::graph::builder::Graph;
+use crate::graph::description::{Access, PassId, Use};
+use crate::graph::handle::Handle;
+use crate::shader::{Binding, BindingKind, Shader, ShaderAccess, Stage};
+
+/// Bindings and uses that both kinds of pass collect.
+pub(super) struct Collected {
+    pub(super) pass: PassId,
+    pub(super) name: String,
+    /// Set 0 over all shaders, with the stages that see each binding.
+    table: Vec<(Binding, vk::PipelineStageFlags2, &'static str)>,
+    bound: Vec<Bound>,
+    pub(super) uses: Vec<Use>,
+}
+
+impl Collected {
+    pub(super) fn new(pass: PassId, name: String, shaders: impl Iterator<Item = &'static Shader>) -> Self {
+        let mut table: Vec<(Binding, vk::PipelineStageFlags2, &'static str)> = Vec::new();
+        for shader in shaders {
+            for binding in shader.bindings.iter().filter(|binding| binding.set == 0) {
+                match table.iter_mut().find(|(known, ..)| known.binding == binding.binding) {
+                    Some((known, stages, _)) => {
+                        *stages |= stage(shader.stage);
+                        if known.access != binding.access {
+                            known.access = ShaderAccess::ReadWrite;
+                        }
+                    }
+                    None => table.push((*binding, stage(shader.stage), shader.file)),
+                }
+            }
+        }
+        Self { pass, name, table, bound: Vec::new(), uses: Vec::new() }
+    }
+
+    /// The binding as this pass's shaders have it, with the stages that see it. A slot that none of them has is a
+    /// mistake.
+    pub(super) fn find(&self, graph: &mut Graph, slot: &Binding) -> Option<(Binding, vk::PipelineStageFlags2)> {
+        let found = self.table.iter().find(|(b, ..)| slot.set == 0 && b.binding == slot.binding && b.name == slot.name);
+        if found.is_none() {
+            let known: Vec<_> = self.table.iter().map(|(b, ..)| format!("`{}`", b.name)).collect();
+            let wrong = "is bound, but the pass's shaders do not have it".into();
+            graph.mistake(Some(&self.name), Some(slot.name), wrong, known.join(", "));
+        }
+        found.map(|&(binding, stages, _)| (binding, stages))
+    }
+
+    pub(super) fn constant(&mut self, graph: &mut Graph, slot: &Binding, what: What) {
+        if let Some((binding, _)) = self.find(graph, slot) {
+            self.bound.push(Bound { binding, what });
+        }
+    }
+
+    pub(super) fn read<H: Handle>(&mut self, graph: &mut Graph, slot: &Binding, handle: &H, sampler: SamplerInfo) {
+        let Some((binding, stages)) = self.find(graph, slot) else { return };
+        let access = match binding.kind {
+            BindingKind::UniformBuffer => Access::uniform(stages),
+            BindingKind::StorageBuffer => Access::storage_buffer_read(stages),
+            BindingKind::StorageImage => Access::storage_image_read(stages),
+            BindingKind::CombinedImageSampler | BindingKind::SampledImage | BindingKind::Sampler => {
+                Access::sampled(stages)
+            }
+        };
+        let used = graph.used(binding.name, handle, access);
+        self.uses.push(used);
+        let what =
+            What::Resource { resource: handle.resource(), range: handle.range(), layout: access.layout, sampler };
+        self.bound.push(Bound { binding, what });
+    }
+
+    pub(super) fn write<H: Handle>(&mut self, graph: &mut Graph, slot: &Binding, handle: H) -> H {
+        let Some((binding, stages)) = self.find(graph, slot) else { return handle };
+        let image = binding.kind == BindingKind::StorageImage;
+        let access = match (image, binding.access) {
+            (true, ShaderAccess::ReadWrite) => Access::storage_image_read_write(stages),
+            (true, _) => Access::storage_image_write(stages),
+            (false, ShaderAccess::ReadWrite) => Access::storage_buffer_read_write(stages),
+            (false, _) => Access::storage_buffer_write(stages),
+        };
+        // A shader that only stores may store less than all: what was there before stays, unless nothing was.
+        let reads = binding.access == ShaderAccess::ReadWrite || !graph.is_undefined(&handle);
+        let what = What::Resource {
+            resource: handle.resource(),
+            range: handle.range(),
+            layout: access.layout,
+            sampler: SamplerInfo::nearest(),
+        };
+        let (used, next) = graph.written(self.pass, binding.name, handle, reads, access);
+        self.uses.push(used);
+        self.bound.push(Bound { binding, what });
+        next
+    }
+
+    pub(super) fn finish(self, graph: &mut Graph) -> (String, Vec<Use>, Vec<Bound>) {
+        for (binding, _, file) in &self.table {
+            let count = self.bound.iter().filter(|bound| bound.binding.binding == binding.binding).count();
+            if count != 1 {
+                let wrong = format!("is bound {count} times; {file} has it");
+                graph.mistake(Some(&self.name), Some(binding.name), wrong, "once".into());
+            }
+        }
+        (self.name, self.uses, self.bound)
+    }
+}
+
+fn stage(stage: Stage) -> vk::PipelineStageFlags2 {
+    match stage {
+        Stage::Vertex => vk::PipelineStageFlags2::VERTEX_SHADER,
+        Stage::Geometry => vk::PipelineStageFlags2::GEOMETRY_SHADER,
+        Stage::Fragment => vk::PipelineStageFlags2::FRAGMENT_SHADER,
+        Stage::Compute => vk::PipelineStageFlags2::COMPUTE_SHADER,
+    }
+}

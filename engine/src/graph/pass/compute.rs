@@ -1,0 +1,67 @@
+//! Compute passes.
+
+use super::bind::{Fits, Unchanging, binding_methods};
+use super::collect::Collected;
+use super::{Groups, What, Work};
+use crate::gpu::{self, Image, SamplerInfo};
+use crate::graph::builder::Graph;
+use crate::graph::description::{Access, Queue};
+use crate::graph::handle::{BufferHandle, ImageHandle};
+use crate::shader::{self, ReadSlot, SampledSlot, Shader, StorageSlot, UniformSlot, WriteSlot};
+
+/// A compute pass being described; [`ComputePass::dispatch`] ends it.
+#[must_use = "a pass is recorded by `dispatch`"]
+pub struct ComputePass<'g, 'f> {
+    graph: &'g mut Graph<'f>,
+    collected: Collected,
+    shader: &'static Shader,
+    constants: Vec<(u32, gpu::Constant)>,
+    push: Vec<u8>,
+}
+
+impl<'g, 'f> ComputePass<'g, 'f> {
+    pub(in crate::graph) fn new(graph: &'g mut Graph<'f>, name: String, shader: &'static Shader) -> Self {
+        let collected = Collected::new(graph.next_pass(), name, [shader].into_iter());
+        Self { graph, collected, shader, constants: Vec::new(), push: Vec::new() }
+    }
+
+    binding_methods!();
+
+    /// Push constants.
+    pub fn push<T: bytemuck::Pod>(&mut self, value: &T) -> &mut Self {
+        self.push = bytemuck::bytes_of(value).to_vec();
+        self
+    }
+
+    /// Value of a specialisation constant.
+    pub fn specialize(&mut self, id: u32, value: gpu::Constant) -> &mut Self {
+        self.constants.push((id, value));
+        self
+    }
+
+    /// Runs the shader over at least `invocations`, rounded up to whole workgroups.
+    pub fn dispatch(self, invocations: [u32; 3]) {
+        let size = self.shader.workgroup;
+        let groups = std::array::from_fn(|axis| invocations[axis].div_ceil(size[axis].max(1)));
+        self.finish(Groups::Direct(groups));
+    }
+
+    /// Runs as many workgroups as three `u32` at `offset` of a buffer say.
+    pub fn dispatch_indirect(mut self, groups: &BufferHandle, offset: u64) {
+        let used = self.graph.used("indirect dispatch", groups, Access::indirect());
+        self.collected.uses.push(used);
+        self.finish(Groups::Indirect(groups.resource, offset));
+    }
+
+    fn finish(self, groups: Groups) {
+        let Self { graph, collected, shader, constants, push } = self;
+        let expected = shader.push.map_or(0, |block| block.size as usize);
+        if push.len() != expected {
+            let wrong = format!("{} bytes are pushed", push.len());
+            let allowed = format!("{expected} bytes, as {} takes", shader.file);
+            graph.mistake(Some(&collected.name), Some("push constants"), wrong, allowed);
+        }
+        let (name, uses, bound) = collected.finish(graph);
+        graph.push_pass(name, Queue::Compute, uses, Work::Compute { shader, constants, bound, push, groups });
+    }
+}

@@ -1,0 +1,103 @@
+//! Describing a pass: what its shaders' bindings and its attachments are.
+
+mod bind;
+mod collect;
+mod compute;
+mod raster;
+
+use ash::vk;
+
+pub use bind::{Fits, Unchanging};
+pub use compute::ComputePass;
+pub use raster::RasterPass;
+
+use super::builder::Data;
+use super::description::{Range, ResourceId};
+use super::record::Recorder;
+use crate::Result;
+use crate::gpu::{self, Buffer, Image, SamplerInfo};
+use crate::shader::{Binding, Program, Shader, Targets};
+
+/// What a pass does, besides what the description says.
+pub(in crate::graph) enum Work<'f> {
+    Compute {
+        shader: &'static Shader,
+        constants: Vec<(u32, gpu::Constant)>,
+        bound: Vec<Bound>,
+        push: Vec<u8>,
+        groups: Groups,
+    },
+    Raster {
+        programs: Vec<Program>,
+        targets: Targets,
+        attachments: Attachments,
+        bound: Vec<Bound>,
+        draw: DrawFn<'f>,
+    },
+    Fill {
+        resource: ResourceId,
+        range: Range,
+        value: u32,
+    },
+    Clear {
+        resource: ResourceId,
+        range: Range,
+        value: vk::ClearColorValue,
+    },
+}
+
+pub(in crate::graph) type DrawFn<'f> = Box<dyn FnOnce(&mut Recorder) -> Result<()> + 'f>;
+
+/// Workgroups of a dispatch.
+pub(in crate::graph) enum Groups {
+    Direct([u32; 3]),
+    Indirect(ResourceId, u64),
+}
+
+/// What lies behind a binding of set 0.
+pub(in crate::graph) struct Bound {
+    pub(in crate::graph) binding: Binding,
+    pub(in crate::graph) what: What,
+}
+
+#[derive(Clone)]
+pub(in crate::graph) enum What {
+    /// Bytes of the frame's arena.
+    Data(Data),
+    /// A buffer that never changes while frames run.
+    Buffer(Buffer),
+    /// An image that never changes while frames run.
+    Image(Image, SamplerInfo),
+    /// A resource of the graph.
+    Resource { resource: ResourceId, range: Range, layout: vk::ImageLayout, sampler: SamplerInfo },
+}
+
+/// Attachments of a raster pass.
+#[derive(Default)]
+pub(in crate::graph) struct Attachments {
+    /// By location; every place is filled when the description ends.
+    pub(in crate::graph) color: Vec<Option<Attachment>>,
+    pub(in crate::graph) depth: Option<Attachment>,
+    pub(in crate::graph) size: [u32; 2],
+    pub(in crate::graph) layers: u32,
+}
+
+pub(in crate::graph) struct Attachment {
+    pub(in crate::graph) resource: ResourceId,
+    pub(in crate::graph) range: Range,
+    pub(in crate::graph) layout: vk::ImageLayout,
+    pub(in crate::graph) load: vk::AttachmentLoadOp,
+    pub(in crate::graph) store: vk::AttachmentStoreOp,
+    pub(in crate::graph) clear: vk::ClearValue,
+}
+
+/// What an attachment holds when a pass begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Load<T> {
+    /// This value everywhere.
+    Clear(T),
+    /// What it held before.
+    Keep,
+    /// Anything: the pass writes every pixel it is asked for.
+    Discard,
+}
