@@ -311,3 +311,16 @@ fn broken_versions_do_not_break_what_follows() {
         ],
     );
 }
+
+#[test]
+fn resources_fit_into_memory() {
+    let (mut draft, _) = right();
+    let huge = draft.buffer("huge", u64::MAX);
+    let huge = draft.pass("fill all", Queue::Graphics, |pass| pass.overwrite("out", huge, Access::transfer_write()));
+    draft.capture("huge", huge);
+    expect(
+        &draft,
+        &[ErrorKind::BadShape],
+        &["resource `huge`: takes 18446744073709551615 bytes, aligned to 16; at most 1099511627776 are allowed"],
+    );
+}
