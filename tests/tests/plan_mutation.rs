@@ -171,13 +171,6 @@ fn barriers_and_their_bits_are_needed() {
             remove(places(&mut plan)[place], index);
             if !needed(&plan) {
                 whole = false;
-                if std::env::var_os("SPARE").is_some_and(|v| v == rule(reason.hazard)) {
-                    println!(
-                        "SPARE {}\n{}",
-                        reason.explain(&description),
-                        shadowgraph::graph::report::text(&description, &planned)
-                    );
-                }
                 *spare.entry(format!("barrier, {}", rule(reason.hazard))).or_default() += 1;
                 continue;
             }
@@ -193,15 +186,6 @@ fn barriers_and_their_bits_are_needed() {
                 }
                 if !needed(&plan) {
                     bits = false;
-                    if std::env::var_os("SPARE_BIT")
-                        .is_some_and(|v| v == *format!("{side} {kind}, {}", rule(reason.hazard)))
-                    {
-                        println!(
-                            "SPARE {bit:x} {}\n{}",
-                            reason.explain(&description),
-                            shadowgraph::graph::report::text(&description, &planned)
-                        );
-                    }
                     *spare.entry(format!("{side} {kind}, {}", rule(reason.hazard))).or_default() += 1;
                 }
             }

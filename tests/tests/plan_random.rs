@@ -1,11 +1,13 @@
 //! Random graphs against the hazard checker.
 #![allow(clippy::unwrap_used)]
 
+use ash::vk::{AccessFlags2, ImageAspectFlags, ImageLayout};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
+use shadowgraph::graph::description::{Description, Origin, PassId, Range, ResourceId, Shape, Source, VersionId};
 use shadowgraph::graph::plan::plan;
 use shadowgraph::graph::report::text;
-use shadowgraph_tests::hazard::{check, recipes};
+use shadowgraph_tests::hazard::{Recipe, check, recipes};
 
 /// Random graphs, in the default run and with `SHADOWGRAPH_LONG=1`.
 fn cases(few: u32, many: u32) -> Config {
@@ -13,17 +15,97 @@ fn cases(few: u32, many: u32) -> Config {
     Config { cases: if long { many } else { few }, failure_persistence: None, ..Config::default() }
 }
 
+/// Plans each random graph and holds the plan against the rules.
+fn sweep(config: Config, passes: usize) {
+    let judge = |recipe: Recipe| {
+        let (description, device) = (recipe.description(), recipe.device());
+        let plan = plan(&description, &device).map_err(|errors| TestCaseError::fail(errors.to_string()))?;
+        let wrong = check(&description, &plan, &device);
+        prop_assert!(wrong.is_empty(), "\n{}\n{}", wrong.join("\n"), text(&description, &plan));
+        Ok(())
+    };
+    TestRunner::new(config).run(&recipes(passes), judge).unwrap();
+}
+
 #[test]
 fn random_graphs_have_no_hazard() {
-    let mut runner = TestRunner::new(cases(2_000, 100_000));
-    runner
-        .run(&recipes(24), |recipe| {
-            let description = recipe.description();
-            let device = recipe.device();
-            let plan = plan(&description, &device).map_err(|errors| TestCaseError::fail(errors.to_string()))?;
-            let wrong = check(&description, &plan, &device);
-            prop_assert!(wrong.is_empty(), "\n{}\n{}", wrong.join("\n"), text(&description, &plan));
-            Ok(())
-        })
-        .unwrap();
+    sweep(cases(2_000, 100_000), 24);
+}
+
+#[test]
+fn large_random_graphs_have_no_hazard() {
+    sweep(cases(20, 1_000), 200);
+}
+
+/// Spoils one number of a description.
+fn spoil(description: &mut Description, [what, which, how, value, _]: [u8; 5]) {
+    let big = [0, 1, 2, u32::from(value), u32::MAX][usize::from(how) % 5];
+    let id = |count: usize| u32::from(which) % (count.max(1) as u32);
+    let version = id(description.versions.len()) as usize;
+    let pass = id(description.passes.len()) as usize;
+    let resource = id(description.resources.len()) as usize;
+    let root = id(description.roots.len()) as usize;
+    let of = VersionId(if value % 2 == 0 { u32::from(value) } else { big });
+    match what % 16 {
+        0 => description.versions[version].resource = ResourceId(big),
+        1 => description.versions[version].source = Source::Split { of },
+        2 => description.versions[version].source = Source::Fork { of },
+        3 => description.versions[version].source = Source::Join { of: vec![of, VersionId(which.into())] },
+        4 => description.versions[version].source = Source::Join { of: Vec::new() },
+        5 => description.versions[version].source = Source::Pass { pass: PassId(big), from: of },
+        6 => description.versions[version].source = Source::Initial,
+        7 => description.versions[version].range = Range::Buffer([big.into(), value.into()]),
+        8 => {
+            let aspects = ImageAspectFlags::from_raw(value.into());
+            let [mips, layers] = [[u32::from(value), big], [0, big]];
+            description.versions[version].range = Range::Image { aspects, mips, layers };
+        }
+        9 | 10 if !description.passes.is_empty() && !description.passes[pass].uses.is_empty() => {
+            let uses = &mut description.passes[pass].uses;
+            let index = usize::from(value) % uses.len();
+            match how % 6 {
+                0 => uses[index].version = of,
+                1 => uses[index].makes = Some(of),
+                2 => uses[index].makes = None,
+                3 => uses[index].reads = !uses[index].reads,
+                4 => uses[index].access.layout = ImageLayout::UNDEFINED,
+                _ => uses[index].access.mask = AccessFlags2::from_raw(1 << (value % 48)),
+            }
+        }
+        11 if !description.roots.is_empty() => description.roots[root].version = of,
+        12 => match &mut description.resources[resource].shape {
+            Shape::Buffer { size } => *size = if how % 2 == 0 { big.into() } else { u64::MAX - u64::from(value) },
+            Shape::Image(shape) => match how % 4 {
+                0 => shape.mips = big,
+                1 => shape.layers = big,
+                2 => shape.samples = value.into(),
+                _ => shape.extent[2] = big,
+            },
+        },
+        13 => description.resources[resource].origin = Origin::Transient,
+        14 => description.resources.truncate(resource),
+        _ => description.passes.truncate(pass),
+    }
+}
+
+#[test]
+fn spoilt_graphs_are_errors_or_right_and_never_panic() {
+    let spoilt = (recipes(12), prop::collection::vec(any::<[u8; 5]>(), 1..4));
+    let outcome = |(recipe, changes): (Recipe, Vec<[u8; 5]>)| {
+        let (mut description, device) = (recipe.description(), recipe.device());
+        for change in changes {
+            if !description.resources.is_empty() && !description.versions.is_empty() {
+                spoil(&mut description, change);
+            }
+        }
+        match plan(&description, &device) {
+            Ok(plan) => {
+                let wrong = check(&description, &plan, &device);
+                prop_assert!(wrong.is_empty(), "\n{}\n{}", wrong.join("\n"), text(&description, &plan));
+            }
+            Err(errors) => prop_assert!(!errors.errors.is_empty()),
+        }
+        Ok(())
+    };
+    TestRunner::new(cases(2_000, 100_000)).run(&spoilt, outcome).unwrap();
 }

@@ -182,7 +182,11 @@ impl Access {
 
     /// Stages and masks of both; the layout of the first.
     pub fn merge(self, other: Access) -> Access {
-        Access { stages: self.stages | other.stages, mask: self.mask | other.mask, layout: self.layout }
+        let mut stages = self.stages | other.stages;
+        if stages.contains(Stages::ALL_TRANSFER) {
+            stages &= !(Stages::COPY | Stages::BLIT | Stages::RESOLVE | Stages::CLEAR);
+        }
+        Access { stages, mask: self.mask | other.mask, layout: self.layout }
     }
 }
 

@@ -55,11 +55,12 @@ impl DeviceModel for MadeUpDevice {
         match shape {
             Shape::Image(shape) => {
                 let [width, height, depth] = shape.extent;
-                let texels = u64::from(width) * u64::from(height) * u64::from(depth);
+                let texels = u64::from(width).saturating_mul(height.into()).saturating_mul(depth.into());
                 let depth = !shape.aspects().contains(vk::ImageAspectFlags::COLOR);
-                let size = texels * 4 * u64::from(shape.layers) * u64::from(shape.mips) * u64::from(shape.samples);
+                let factors = [4, shape.layers, shape.mips, shape.samples].map(u64::from);
+                let size = factors.iter().fold(texels, |size, &factor| size.saturating_mul(factor));
                 Requirements {
-                    size: size.next_multiple_of(self.image_alignment),
+                    size: size.checked_next_multiple_of(self.image_alignment).unwrap_or(u64::MAX),
                     alignment: self.image_alignment,
                     type_bits: self.type_bits[usize::from(depth)],
                 }

@@ -22,8 +22,10 @@ mod device;
 mod draft;
 mod generate;
 mod memory;
+mod part;
 mod record;
 mod replay;
+mod rules;
 
 pub use device::MadeUpDevice;
 pub use draft::{Draft, PassDraft};

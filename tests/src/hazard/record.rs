@@ -82,7 +82,8 @@ pub struct Record {
     ordered: [StageSet; 3],
     /// By queue: the first batch in which some stage's did.
     since: [Option<u64>; 3],
-    pub available: bool,
+    /// By queue: stages whose later work comes behind an operation that made it available.
+    available: [StageSet; 3],
     /// Queue, stages and accesses that it is visible to.
     visible: Vec<(Queue, StageSet, Mask)>,
 }
@@ -98,15 +99,15 @@ pub struct Scopes {
 
 impl Record {
     pub fn new(kind: Kind, who: String, queue: Queue, batch: u64, stage: StageSet, mask: Mask) -> Self {
-        let (fork, ordered, since, visible) = (None, [0; 3], [None; 3], Vec::new());
-        Self { kind, who, queue, batch, stage, mask, fork, ordered, since, available: false, visible }
+        let (fork, ordered, since, available, visible) = (None, [0; 3], [None; 3], [0; 3], Vec::new());
+        Self { kind, who, queue, batch, stage, mask, fork, ordered, since, available, visible }
     }
 
     /// A transition by a barrier: available at once, and visible to the barrier's second scopes.
     pub fn transition(who: String, scopes: &Scopes) -> Self {
         let mut record = Self::new(Kind::Transition, who, scopes.queue, scopes.batch, 0, Mask::NONE);
-        record.available = true;
         record.order(scopes.queue, scopes.batch, later(single(scopes.to.stages)));
+        record.available = record.ordered;
         record.show(scopes.queue, single(scopes.to.stages), scopes.to.mask);
         record
     }
@@ -114,8 +115,8 @@ impl Record {
     /// An earlier frame's write that is known to be visible to these accesses.
     pub fn arrived(access: &Access) -> Self {
         let mut record = Self::new(Kind::Transition, "before the frame".into(), Queue::Graphics, 0, 0, Mask::NONE);
-        record.available = true;
         record.order(Queue::Graphics, 0, later(single(access.stages)));
+        record.available = record.ordered;
         record.show(Queue::Graphics, single(access.stages), access.mask);
         record
     }
@@ -137,8 +138,18 @@ impl Record {
         self.queue == scopes.queue && stage && scopes.from.mask.contains(self.mask)
     }
 
+    /// Whether what made it available comes before a barrier. A transition is available at once.
+    pub fn is_available_to(&self, scopes: &Scopes) -> bool {
+        let chained = self.available[scopes.queue as usize] & earlier(single(scopes.from.stages)) != 0;
+        chained || (self.kind == Kind::Transition && self.queue == scopes.queue)
+    }
+
     pub fn second_scope(&mut self, scopes: &Scopes) {
         self.order(scopes.queue, scopes.batch, later(single(scopes.to.stages)));
+    }
+
+    pub fn make_available(&mut self, scopes: &Scopes) {
+        self.available[scopes.queue as usize] |= later(single(scopes.to.stages));
     }
 
     pub fn second_access_scope(&mut self, scopes: &Scopes) {
@@ -162,8 +173,8 @@ impl Record {
     pub fn wait(&mut self, queue: Queue, batch: u64, other: Queue, value: u64, stages: Stages) {
         let ran = self.queue == other && self.batch <= value;
         if ran || self.since[other as usize].is_some_and(|since| since <= value) {
-            self.available = true;
             self.order(queue, batch, later(single(stages)));
+            self.available[queue as usize] |= later(single(stages));
             self.show(queue, single(stages), Mask::from_raw(u64::MAX));
         }
     }
@@ -175,8 +186,12 @@ impl Record {
 
     /// Whether it is visible to an access of a stage.
     pub fn is_visible(&self, queue: Queue, stage: StageSet, mask: Mask) -> bool {
-        self.available
-            && self.visible.iter().any(|seen| seen.0 == queue && seen.1 & stage == stage && seen.2.contains(mask))
+        self.visible.iter().any(|seen| seen.0 == queue && seen.1 & stage == stage && seen.2.contains(mask))
+    }
+
+    /// Whether it is available when later work of a stage begins.
+    pub fn is_available(&self, queue: Queue, stage: StageSet) -> bool {
+        self.available[queue as usize] & stage == stage
     }
 
     /// Whether a queue knows of it at all.

@@ -4,24 +4,14 @@ use ash::vk::{AccessFlags2 as Mask, ImageLayout as Layout, PipelineStageFlags2 a
 use shadowgraph::graph::description::{
     Access, Description, Origin, Queue, Range, ResourceId, Shape, Use, Version, VersionId,
 };
-use shadowgraph::graph::plan::{Barriers, DeviceModel, Ownership, Plan, Work};
+use shadowgraph::graph::plan::{Barriers, DeviceModel, Plan, Work};
 
 use super::atoms::Atoms;
 use super::contents::{Contents, contents, forked_from};
 use super::memory;
+use super::part::{Part, arrival};
 use super::record::{Kind, Record, Scopes, each, single};
-
-/// State of one part of a resource.
-#[derive(Clone, Debug)]
-struct Part {
-    records: Vec<Record>,
-    layout: Layout,
-    /// Queue family; nobody's until it is used.
-    owner: Option<u32>,
-    /// On its way to another family, with the layouts it goes from and to.
-    released: Option<(Ownership, Layout, Layout)>,
-    contents: Contents,
-}
+use super::rules::{Effect, apply, conflict, foreign_conflict, kind};
 
 struct Replay<'a> {
     description: &'a Description,
@@ -33,14 +23,6 @@ struct Replay<'a> {
     /// By root: the copy's record in host memory.
     copies: Vec<Option<Record>>,
     errors: Vec<String>,
-}
-
-/// Which memory a barrier is for: all, or a range of a resource, whose transition or transfer it may be.
-struct Effect {
-    scopes: Scopes,
-    atoms: Option<Vec<usize>>,
-    ownership: Option<Ownership>,
-    who: String,
 }
 
 /// Everything that is wrong with a plan for a description that is right.
@@ -62,35 +44,6 @@ pub fn check(description: &Description, plan: &Plan, device: &dyn DeviceModel) -
     replay.batches();
     replay.end();
     replay.errors
-}
-
-/// The state before the frame.
-fn arrival(description: &Description, atoms: &Atoms, device: &dyn DeviceModel, atom: usize) -> Part {
-    let resource = &description.resources[atoms.resource(atom).0 as usize];
-    let mut part = Part {
-        records: Vec::new(),
-        layout: Layout::UNDEFINED,
-        owner: None,
-        released: None,
-        contents: Contents::Nothing,
-    };
-    if let Origin::Imported { before, .. } = &resource.origin {
-        let is_image = matches!(resource.shape, Shape::Image(_));
-        part.layout = if is_image { before.layout } else { Layout::UNDEFINED };
-        if !is_image || before.layout != Layout::UNDEFINED {
-            part.contents = Contents::Arrived;
-            part.owner = device.family(Queue::Graphics);
-        }
-        if before.writes().is_empty() && !before.stages.is_empty() {
-            part.records.push(Record::arrived(before));
-        }
-        let kind = if before.writes().is_empty() { Kind::Read } else { Kind::Write };
-        for stage in each(single(before.stages)) {
-            let mask = if kind == Kind::Read { before.mask } else { before.writes() };
-            part.records.push(Record::new(kind, "before the frame".into(), Queue::Graphics, 0, stage, mask));
-        }
-    }
-    part
 }
 
 impl Replay<'_> {
@@ -200,14 +153,19 @@ impl Replay<'_> {
             for &atom in effect.atoms.iter().flatten() {
                 let [from, to] = [effect.scopes.from.layout, effect.scopes.to.layout];
                 if effect.ownership.is_some() || (is_image && from != to) {
-                    self.transition(effect, atom, is_image, &before);
+                    self.transition(effect, atom, is_image, &before, &effects);
                 }
             }
         }
     }
 
     /// A layout transition, or half of an ownership transfer.
-    fn transition(&mut self, effect: &Effect, atom: usize, is_image: bool, before: &[Vec<Record>]) {
+    fn transition(&mut self, effect: &Effect, atom: usize, is_image: bool, before: &[Vec<Record>], all: &[Effect]) {
+        let made_available = |old: &Record, atom: usize| {
+            let for_it = |effect: &&Effect| effect.atoms.as_ref().is_none_or(|atoms| atoms.contains(&atom));
+            let mut effects = all.iter().filter(for_it);
+            effects.any(|effect| old.in_first_scope(&effect.scopes) && old.in_first_access_scope(&effect.scopes))
+        };
         let Effect { scopes, who, .. } = effect;
         let [from, to] = [scopes.from.layout, scopes.to.layout];
         let resource = self.atoms.resource(atom);
@@ -218,7 +176,7 @@ impl Replay<'_> {
             for (record, old) in self.parts[other].records.iter().zip(&before[other]) {
                 if !old.in_first_scope(scopes) {
                     wrong.push(format!("{who} does not wait for {} of {}", kind(record), record.who));
-                } else if record.writes() && !record.available {
+                } else if record.writes() && !old.is_available_to(scopes) && !made_available(old, other) {
                     wrong.push(format!("{who} comes before what {} wrote is available", record.who));
                 }
             }
@@ -452,68 +410,5 @@ impl Replay<'_> {
             }
         }
         self.errors.extend(wrong);
-    }
-}
-
-/// What one barrier call does to a record: ordering by all of its barriers, memory by those for its memory.
-fn apply<'a>(record: &mut Record, old: &Record, memory: impl Iterator<Item = &'a Effect> + Clone, all: &[Effect]) {
-    let inside = |effect: &&Effect| old.in_first_scope(&effect.scopes);
-    for effect in all.iter().filter(inside) {
-        record.second_scope(&effect.scopes);
-    }
-    if record.writes() {
-        let memory: Vec<_> = memory.filter(inside).collect();
-        record.available |= memory.iter().any(|effect| old.in_first_access_scope(&effect.scopes));
-        if record.available {
-            memory.iter().for_each(|effect| record.second_access_scope(&effect.scopes));
-        }
-    }
-}
-
-/// Why a use may not follow a record of the same memory. `read`: somebody read it since it was written, which made the
-/// write available; else a write asks for a memory dependency of its own.
-fn conflict(
-    record: &Record,
-    used: &Use,
-    fork: Option<VersionId>,
-    queue: Queue,
-    stage: u64,
-    read: bool,
-) -> Option<String> {
-    if record.fork.is_some() && record.fork == fork {
-        return None;
-    }
-    let writes = !used.access.writes().is_empty();
-    if (record.writes() || writes) && !record.is_before(queue, stage) {
-        return Some(format!("does not wait for {} of {}", kind(record), record.who));
-    }
-    if record.writes() && writes && !record.available {
-        return Some(format!("is written before what {} wrote is available", record.who));
-    }
-    let reads = if used.reads || used.makes.is_none() { used.access.reads() } else { Mask::NONE };
-    let needed = reads | if read { Mask::NONE } else { used.access.writes() };
-    let unseen = each(needed.as_raw()).find(|&bit| !record.is_visible(queue, stage, Mask::from_raw(bit)));
-    let unseen = unseen.filter(|_| record.writes());
-    unseen.map(|bit| format!("does not see what {} wrote ({:?})", record.who, Mask::from_raw(bit)))
-}
-
-/// Why a use may not follow a record of another resource in the same memory.
-fn foreign_conflict(record: &Record, used: &Use, queue: Queue, stage: u64) -> Option<String> {
-    if record.writes() || !used.access.writes().is_empty() {
-        if !record.is_before(queue, stage) {
-            return Some(format!("shares memory, and does not wait for {} of {}", kind(record), record.who));
-        }
-        if record.writes() && !record.available {
-            return Some(format!("shares memory, and comes before what {} wrote is available", record.who));
-        }
-    }
-    None
-}
-
-fn kind(record: &Record) -> &'static str {
-    match record.kind {
-        Kind::Read => "the read",
-        Kind::Write => "the write",
-        Kind::Transition => "the transition",
     }
 }

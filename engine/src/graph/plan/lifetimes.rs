@@ -62,7 +62,8 @@ impl Lifetimes {
     /// Whether semaphores order all work of a queue up to `prev` before `next`, and make it visible.
     pub(super) fn is_done(&self, prev: At, queue: Queue, next: At) -> bool {
         let end = self.queues.len();
-        prev.index().is_some_and(|step| self.done[next.index().unwrap_or(end)][queue as usize] > step)
+        let done = self.done[next.index().unwrap_or(end)][queue as usize];
+        prev.index().map_or(prev == At::START && done > 0, |step| done > step)
     }
 
     /// Whether every use of `a` is done, by the order of its queue or by semaphores, when `b` begins.

@@ -33,7 +33,7 @@ use self::dependencies::{Dependencies, events};
 use self::history::History;
 use self::queues::Families;
 use super::description::{Access, Description, Origin, Queue};
-use super::errors::GraphErrors;
+use super::errors::{ErrorKind, GraphError, GraphErrors};
 
 /// Plans a frame for a device.
 ///
@@ -49,7 +49,7 @@ pub fn plan(description: &Description, device: &dyn DeviceModel) -> Result<Plan,
 
     // 3. What each resource is used for, and the memory it takes.
     let usages = usage::usages(description, &live);
-    let requirements = requirements(description, device, &usages);
+    let requirements = requirements(description, device, &usages)?;
     let bytes: Vec<u64> = requirements.iter().map(|needs| needs.map_or(0, |needs| needs.size.max(1))).collect();
 
     // 4. Put passes and read-backs in order.
@@ -106,16 +106,38 @@ pub fn plan(description: &Description, device: &dyn DeviceModel) -> Result<Plan,
     Ok(plan)
 }
 
+/// A transient takes at most so many bytes: no device has as many, and sums of them do not overflow.
+const MOST_BYTES: u64 = 1 << 40;
+
 /// Memory of every transient that is used.
+///
+/// # Errors
+/// One for each that takes more than any device has.
 fn requirements(
     description: &Description,
     device: &dyn DeviceModel,
     usages: &[Option<Usage>],
-) -> Vec<Option<Requirements>> {
-    let resources = description.resources.iter().zip(usages);
-    let transients = resources.map(|(resource, usage)| usage.filter(|_| resource.origin == Origin::Transient));
-    let shapes = description.resources.iter().map(|resource| &resource.shape);
-    transients.zip(shapes).map(|(usage, shape)| Some(device.requirements(shape, usage?))).collect()
+) -> Result<Vec<Option<Requirements>>, GraphErrors> {
+    let mut errors = Vec::new();
+    let mut all = Vec::with_capacity(usages.len());
+    for (resource, usage) in description.resources.iter().zip(usages) {
+        let usage = usage.filter(|_| resource.origin == Origin::Transient);
+        let needs = usage.map(|usage| device.requirements(&resource.shape, usage));
+        if let Some(Requirements { size, alignment, .. }) = needs
+            && size.max(alignment) > MOST_BYTES
+        {
+            errors.push(GraphError {
+                kind: ErrorKind::BadShape,
+                pass: None,
+                slot: None,
+                resource: Some(resource.name.clone()),
+                wrong: format!("takes {size} bytes, aligned to {alignment}"),
+                allowed: format!("at most {MOST_BYTES} are allowed"),
+            });
+        }
+        all.push(needs);
+    }
+    if errors.is_empty() { Ok(all) } else { Err(GraphErrors { graph: description.name.clone(), errors }) }
 }
 
 /// Puts each barrier before its step, at the end of its batch, or at the end of the frame.

@@ -40,14 +40,23 @@ fn holds(a: &Access, b: &Access) -> bool {
     set(b.stages) & !set(a.stages) == 0 && a.mask.contains(b.mask)
 }
 
-/// Takes out memory barriers that do less than another one of the same call.
+/// Whether a barrier does more than to order.
+fn is_strong(barrier: &MemoryBarrier) -> bool {
+    barrier.from.mask != Mask::NONE || barrier.to.mask != Mask::NONE
+}
+
+/// Takes out memory barriers that do less than another one of the same call; not those that only order, which are
+/// judged one by one.
 fn subsumed(barriers: &mut Vec<MemoryBarrier>) {
     let mut kept: Vec<MemoryBarrier> = Vec::with_capacity(barriers.len());
     for barrier in barriers.drain(..) {
-        if kept.iter().any(|other| holds(&other.from, &barrier.from) && holds(&other.to, &barrier.to)) {
-            continue;
+        if is_strong(&barrier) {
+            if kept.iter().any(|other| holds(&other.from, &barrier.from) && holds(&other.to, &barrier.to)) {
+                continue;
+            }
+            let less = |other: &MemoryBarrier| holds(&barrier.from, &other.from) && holds(&barrier.to, &other.to);
+            kept.retain(|other| !(is_strong(other) && less(other)));
         }
-        kept.retain(|other| !(holds(&barrier.from, &other.from) && holds(&barrier.to, &other.to)));
         kept.push(barrier);
     }
     *barriers = kept;
@@ -117,10 +126,13 @@ impl Ordered {
         let mut apply = |from: &Access, to: &Access| self.apply(&known, from.stages, to.stages, step);
         barriers.images.iter().for_each(|barrier| apply(&barrier.from, &barrier.to));
         barriers.buffers.iter().for_each(|barrier| apply(&barrier.from, &barrier.to));
-        let strong = |barrier: &&MemoryBarrier| barrier.from.mask != Mask::NONE || barrier.to.mask != Mask::NONE;
-        barriers.memory.iter().filter(strong).for_each(|barrier| apply(&barrier.from, &barrier.to));
+        barriers
+            .memory
+            .iter()
+            .filter(|barrier| is_strong(barrier))
+            .for_each(|barrier| apply(&barrier.from, &barrier.to));
         barriers.memory.retain_mut(|barrier| {
-            if strong(&&*barrier) {
+            if is_strong(barrier) {
                 return true;
             }
             if let Some(before) = last(barrier.reason.before) {

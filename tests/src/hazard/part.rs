@@ -1,0 +1,50 @@
+//! The state of one part of a resource.
+
+use ash::vk::ImageLayout as Layout;
+use shadowgraph::graph::description::{Description, Origin, Queue, Shape};
+use shadowgraph::graph::plan::{DeviceModel, Ownership};
+
+use super::atoms::Atoms;
+use super::contents::Contents;
+use super::record::{Kind, Record, each, single};
+
+/// State of one part of a resource.
+#[derive(Clone, Debug)]
+pub struct Part {
+    pub records: Vec<Record>,
+    pub layout: Layout,
+    /// Queue family; nobody's until it is used.
+    pub owner: Option<u32>,
+    /// On its way to another family, with the layouts it goes from and to.
+    pub released: Option<(Ownership, Layout, Layout)>,
+    pub contents: Contents,
+}
+
+/// The state before the frame.
+pub fn arrival(description: &Description, atoms: &Atoms, device: &dyn DeviceModel, atom: usize) -> Part {
+    let resource = &description.resources[atoms.resource(atom).0 as usize];
+    let mut part = Part {
+        records: Vec::new(),
+        layout: Layout::UNDEFINED,
+        owner: None,
+        released: None,
+        contents: Contents::Nothing,
+    };
+    if let Origin::Imported { before, .. } = &resource.origin {
+        let is_image = matches!(resource.shape, Shape::Image(_));
+        part.layout = if is_image { before.layout } else { Layout::UNDEFINED };
+        if !is_image || before.layout != Layout::UNDEFINED {
+            part.contents = Contents::Arrived;
+            part.owner = device.family(Queue::Graphics);
+        }
+        if before.writes().is_empty() && !before.stages.is_empty() {
+            part.records.push(Record::arrived(before));
+        }
+        let kind = if before.writes().is_empty() { Kind::Read } else { Kind::Write };
+        for stage in each(single(before.stages)) {
+            let mask = if kind == Kind::Read { before.mask } else { before.writes() };
+            part.records.push(Record::new(kind, "before the frame".into(), Queue::Graphics, 0, stage, mask));
+        }
+    }
+    part
+}
