@@ -20,9 +20,9 @@ pub struct GpuScene {
     scene: Scene,
     /// Object-space positions, three floats a vertex.
     pub positions: Buffer,
-    /// What alpha needs, [`AlphaVertex`] a vertex.
+    /// What alpha needs, `AlphaVertex` a vertex.
     pub alpha_attributes: Buffer,
-    /// What shading needs besides, [`ShadingVertex`] a vertex.
+    /// What shading needs besides, `ShadingVertex` a vertex.
     pub shading_attributes: Buffer,
     /// 32-bit indices, relative to a primitive's first vertex.
     pub indices: Buffer,
