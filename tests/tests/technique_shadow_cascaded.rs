@@ -90,9 +90,9 @@ fn agrees(subject: &Subject, cascaded: Cascaded) -> Vec<figures::Figure> {
     figures::demand(&checks)
 }
 
-/// The court, part of it in the sun.
+/// The court, part of it in the sun, past the trees.
 fn courtyard() -> Subject {
-    Subject::builtin("courtyard", SIZE)
+    Subject::builtin("courtyard", SIZE).seen_from(Vec3::new(-3.6, 1.45, 8.6), Vec3::new(5.0, 0.5, -3.0))
 }
 
 /// A room whose slats and columns stand in the sun.

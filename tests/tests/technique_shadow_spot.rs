@@ -60,8 +60,14 @@ fn settings() -> Spot {
     Spot { resolution: 2048, ..Spot::default() }
 }
 
+/// With its lamp nearer to the viewer: where it hangs, a side of the tall block stands edge-on in its light, and all of
+/// it is two texels from the dark.
 fn cornell() -> Subject {
-    Subject::builtin("cornell", SIZE)
+    Subject::builtin("cornell", SIZE).changed(|s| {
+        let toward_viewer = s.camera.world_from_view.z_axis.truncate();
+        let LightKind::Spot { position, .. } = &mut s.scene.lights[0].kind else { panic!() };
+        *position += toward_viewer * 0.12;
+    })
 }
 
 /// Under two spots, one of which has a hard rim.
