@@ -96,6 +96,7 @@ pub fn publish(gpu: &Gpu, family: &str, name: &str, figures: &[Figure], picture:
     let page = folder.join(format!("{name}.md"));
     let text = fs::read_to_string(&page).unwrap_or_else(|error| panic!("cannot read {}: {error}", page.display()));
     if std::env::var("SHADOWGRAPH_FIGURES").is_ok_and(|wish| wish == "write") {
+        assert!(harness::scenes().is_some(), "without the folder of scenes, rows of the pages would be lost");
         let picture = picture.map(|picture| (link(name, picture), write_picture(&folder, name, picture)));
         let block = block(&gpu.caps().title(), figures, picture.as_ref().map(|(link, _)| link.as_str()));
         let text = replaced(&text, &block).unwrap_or_else(|why| panic!("{}: {why}", page.display()));

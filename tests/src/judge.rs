@@ -108,11 +108,23 @@ impl<'a> Judge<'a> {
     /// shadow masks (1 where a light has none): distance over the expected length, 1e-3. The length counts as at least
     /// 1e-3 of the mean, for what is almost black. Surfaces of unlit materials are passed over.
     pub fn direct(&self, exposure: f64) -> Comparison {
+        self.radiance("direct", &self.part.vectors("direct.", RGB), exposure, None)
+    }
+
+    /// Layers `R,G,B` likewise, with emission, and occlusion of a constant environment of this radiance. The scene must
+    /// have no blended surfaces.
+    pub fn color(&self, exposure: f64, environment: DVec3) -> Comparison {
+        self.radiance("color", &self.part.vectors("", RGB), exposure, Some(environment))
+    }
+
+    /// `environment`: with all that is not the lights' too.
+    fn radiance(&self, layer: &str, found: &[DVec3], exposure: f64, environment: Option<DVec3>) -> Comparison {
         let camera = Camera::new(self.view);
         let part = self.part;
         let [p, n] = ["P.", "N."].map(|layer| part.vectors(layer, XYZ));
-        let [albedo, direct] = ["albedo.", "direct."].map(|layer| part.vectors(layer, RGB));
+        let albedo = part.vectors("albedo.", RGB);
         let [roughness, metallic] = ["roughness", "metallic"].map(|layer| part.floats(layer));
+        let rest = environment.map(|_| (part.vectors("emissive.", RGB), part.floats("occlusion")));
         let materials = part.uints("id.material");
         let source = self.scene.source;
         let masks: Vec<_> = source
@@ -129,17 +141,20 @@ impl<'a> Judge<'a> {
         let expected = |i: usize| -> DVec3 {
             let material =
                 Material { albedo: albedo[i], metallic: f64::from(metallic[i]), roughness: f64::from(roughness[i]) };
-            let sample =
-                Sample { position: p[i], normal: n[i].normalize(), material, emissive: DVec3::ZERO, occlusion: 1.0 };
+            let (emissive, occlusion) = match &rest {
+                Some((emissive, occlusion)) => (emissive[i], f64::from(occlusion[i])),
+                None => (DVec3::ZERO, 1.0),
+            };
+            let sample = Sample { position: p[i], normal: n[i].normalize(), material, emissive, occlusion };
             let lights = source.lights.iter().zip(&masks);
             let visible = lights.map(|(light, mask)| (light, mask.map_or(1.0, |mask| f64::from(mask[i]))));
-            lighting::radiance(&sample, camera.toward_viewer(p[i]), visible, DVec3::ZERO)
+            lighting::radiance(&sample, camera.toward_viewer(p[i]), visible, environment.unwrap_or_default())
         };
         let all: Vec<_> = (0..p.len()).filter(|&i| is_lit(i)).map(|i| (i, expected(i))).collect();
         let mean = all.iter().map(|(_, e)| e.length()).sum::<f64>() / all.len().max(1) as f64;
-        let mut comparison = Comparison::new(format!("{}: direct", self.name), self.view.size, 1e-3);
+        let mut comparison = Comparison::new(format!("{}: {layer}", self.name), self.view.size, 1e-3);
         for (i, expected) in all {
-            comparison.error(i, (direct[i] / exposure).distance(expected) / expected.length().max(1e-3 * mean));
+            comparison.error(i, (found[i] / exposure).distance(expected) / expected.length().max(1e-3 * mean));
         }
         comparison
     }

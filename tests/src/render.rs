@@ -2,10 +2,10 @@
 
 use glam::Vec3;
 use shadowgraph::capture::{self, FrameCapture};
-use shadowgraph::frame::FrameSettings;
+use shadowgraph::frame::{FrameSettings, Selection};
 use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::{Executed, Executor, Graph};
-use shadowgraph::scene::{AlphaMode, Camera, GpuScene, Light, LightKind, Scene, View};
+use shadowgraph::scene::{AlphaMode, Camera, GpuScene, Light, LightKind, Projection, Scene, View};
 use shadowgraph::techniques::surface::gbuffer::Precision;
 
 use crate::exr_file::{Channel, ExrFile, Part};
@@ -46,6 +46,14 @@ impl Subject {
     /// From another place.
     pub fn seen_from(mut self, eye: Vec3, target: Vec3) -> Self {
         self.camera = Camera::look_at(eye, target, Vec3::Y, 0.9, 0.05);
+        self
+    }
+
+    /// Through a lens of a narrower field of view.
+    pub fn zoomed(mut self, share: f32) -> Self {
+        if let Projection::Perspective { fov_y, .. } = &mut self.camera.projection {
+            *fov_y *= share;
+        }
         self
     }
 
@@ -107,6 +115,12 @@ impl Subject {
         let plan = graph.compile(gpu).unwrap_or_else(|error| fail(&error));
         Executor::new(gpu).execute(&plan, graph).unwrap_or_else(|error| fail(&error))
     }
+}
+
+/// For [`Subject::capture`]: layers of these names alone.
+pub fn only(layers: &[&str]) -> impl FnOnce(&mut FrameSettings) + use<> {
+    let names = layers.iter().map(|name| name.to_string()).collect();
+    |settings| settings.layers = Selection::Only(names)
 }
 
 /// Turns a directional or spot light by so many degrees.
