@@ -36,7 +36,8 @@ vec3 brdf_cosine(Reflectance r, vec3 n, vec3 v, vec3 l) {
     // 1 - (n·h)² by the cross product: the difference of nearly equal numbers would lose the highlight's peak.
     vec3 n_x_h = cross(n, h);
     float d_denominator = dot(n_x_h, n_x_h) + n_h * n_h * a2;
-    float distribution = a2 / (PI * d_denominator * d_denominator);
+    // No microfacet that faces away, which a shading normal seen from behind asks for.
+    float distribution = n_h > 0.0 ? a2 / (PI * d_denominator * d_denominator) : 0.0;
     float visibility = 0.5 / (n_l * sqrt(n_v * n_v * (1.0 - a2) + a2) + n_v * sqrt(n_l * n_l * (1.0 - a2) + a2));
 
     float m = 1.0 - v_h;

@@ -167,7 +167,7 @@ fn surface_gbuffer_with_a_seeded_mistake_is_caught() {
     assert_eq!(failing(&truth), [false; 3]);
     // Another view; normals bent by up to a fifth of a degree; materials a little rougher.
     let turn = Quat::from_rotation_y(0.5_f32.to_radians());
-    assert_eq!(failing(&truth.changed(|s| s.camera.world_from_view *= Mat4::from_quat(turn)))[0], true);
+    assert!(failing(&truth.changed(|s| s.camera.world_from_view *= Mat4::from_quat(turn)))[0]);
     let bent = truth.changed(|s| {
         let primitives = s.scene.meshes.iter_mut().flat_map(|mesh| &mut mesh.primitives);
         let bend = Quat::from_euler(glam::EulerRot::XYZ, 0.002, 0.002, 0.002);
