@@ -2,6 +2,7 @@
 
 use crate::drivers::Driver;
 use crate::failure::{Failure, Result};
+use crate::package::{PackageOptions, package};
 use crate::setup::setup;
 use crate::test::{self, TestOptions};
 use crate::workspace::Workspace;
@@ -26,6 +27,7 @@ pub fn ci(workspace: &Workspace) -> Result<()> {
     } else {
         println!("skipped: the portable tests on other drivers, which come from Debian's packages");
     }
+    steps.run("a dependant outside the workspace", || package(workspace, &PackageOptions { check: true }))?;
     steps.print();
     Ok(())
 }

@@ -35,7 +35,7 @@ enum Task {
     Demo,
     /// Set up, then run the tests with validation on.
     Test(test::TestOptions),
-    /// Everything the gate checks: format, clippy, rustdoc, all tests, the portable tests on the other drivers.
+    /// Everything the gate checks: format, clippy, rustdoc, all tests, the portable tests on the other drivers, a dependant.
     Ci,
     /// Check licences, advisories and sources of the dependencies with cargo-deny (fetched on demand).
     Deny,

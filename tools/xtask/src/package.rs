@@ -54,15 +54,17 @@ fn check(workspace: &Workspace) -> Result<()> {
     make_folder(&outside.join("src"))?;
     let result = outside.join(RESULT);
     let _ = fs::remove_file(&result);
-    write(&outside.join("Cargo.toml"), &manifest(&unpacked))?;
+    // The workspace's versions and profile, so that dependencies are compiled once for both.
+    let workspace_manifest = read(&workspace.path("Cargo.toml"))?;
+    write(&outside.join("Cargo.toml"), &(manifest(&unpacked) + &profile(&workspace_manifest)))?;
+    write(&outside.join("Cargo.lock"), &read(&workspace.path("Cargo.lock"))?)?;
     write(&outside.join("src/main.rs"), &read(&unpacked.join("examples/capture.rs"))?)?;
 
     let tree = shell::checked_output(&mut shell::cargo(&outside, &["tree", "--edges", "all"]))?;
     if let Some(line) = tree.lines().find(|line| line.contains("shaderc")) {
         return Err(Failure::Failed(format!("the package depends on the shader compiler: {}", line.trim())));
     }
-    let mut run = shell::cargo(&outside, &["run"]);
-    shell::run(run.env("CARGO_TARGET_DIR", outside.join("target")))?;
+    shell::run(shell::cargo(&outside, &["run"]).env("CARGO_TARGET_DIR", workspace.target()))?;
     let size = result.metadata().map_err(|error| Failure::io("find", &result, &error))?.len();
     println!("a program outside the workspace rendered {} ({size} bytes)", result.display());
     Ok(())
@@ -73,4 +75,25 @@ fn manifest(engine: &Path) -> String {
         "[package]\nname = \"outside\"\nversion = \"0.0.0\"\nedition = \"2024\"\npublish = false\n\n\
          [dependencies]\nshadowgraph = {{ path = {engine:?} }}\n\n[workspace]\n"
     )
+}
+
+/// The tables of a workspace's manifest that say how to compile dependencies.
+fn profile(manifest: &str) -> String {
+    let tables = manifest
+        .split("\n[")
+        .filter(|table| table.starts_with("profile.dev]") || table.starts_with("profile.dev.package.\"*\"]"));
+    tables.map(|table| format!("\n[{table}")).collect::<String>() + "\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_profile_of_dependencies_is_taken() {
+        let manifest = "[workspace]\n\n[profile.release]\ndebug = 1\n\n[profile.dev]\nopt-level = 2\n\n\
+            [profile.dev.package.\"*\"]\ndebug = false\n\n[profile.dev.package.xtask]\nopt-level = 0\n";
+        let profile = profile(manifest);
+        assert_eq!(profile, "\n[profile.dev]\nopt-level = 2\n\n[profile.dev.package.\"*\"]\ndebug = false\n\n");
+    }
 }
