@@ -13,13 +13,13 @@ float percentage_closer(sampler2DArrayShadow map, vec3 uv_layer, float reference
     return sum / float(taps * taps);
 }
 
-// Lifts a receiver off its own shadow: along the normal by what the filter's footprint spans on a slope, and a
-// little towards the light. `texel` is the size of a shadow-map texel at the receiver in metres (Holbert 2011,
-// "Saying goodbye to shadow acne", for the normal's part).
-vec3 lift_receiver(vec3 position, vec3 normal, vec3 to_light, float texel, int taps) {
-    float cosine = clamp(dot(normal, to_light), 0.0, 1.0);
-    float sine = sqrt(1.0 - cosine * cosine);
+// Lifts a receiver off its own shadow: along the normal, by what the plane rises within the filter's footprint, and a
+// little towards the light. The footprint lies across the map's axis (unit length): a point of it v metres aside is
+// nearer to the receiver's plane by at most |v| times the sine between normal and axis. `texel` is the size of a
+// shadow-map texel at the receiver in metres. (Holbert 2011, "Saying goodbye to shadow acne", for parallel light.)
+vec3 lift_receiver(vec3 position, vec3 normal, vec3 to_light, vec3 axis, float texel, int taps) {
     // To the farthest texel centre that a bilinear tap reads: half the grid and half a texel more, along the diagonal.
     float radius = sqrt(2.0) * (0.5 * float(taps) + 0.5);
+    float sine = length(cross(normal, axis));
     return position + normal * (radius * texel * sine) + to_light * (0.25 * texel);
 }

@@ -19,7 +19,7 @@ layout(set = 0, binding = 13, scalar) uniform Cascades {
 layout(set = 0, binding = 14) uniform sampler2DArrayShadow cascade_map;
 
 float cascade_visibility(uint index, vec3 position, vec3 normal) {
-    vec3 lifted = lift_receiver(position, normal, to_light, cascades[index].texel, taps);
+    vec3 lifted = lift_receiver(position, normal, to_light, to_light, cascades[index].texel, taps);
     vec4 clip = cascades[index].clip_from_world * vec4(lifted, 1.0);
     return percentage_closer(cascade_map, vec3(clip.xy * 0.5 + 0.5, float(index)), clip.z, taps, map_texel);
 }

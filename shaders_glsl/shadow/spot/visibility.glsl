@@ -28,7 +28,8 @@ float spot_visibility(uint index, vec3 position, vec3 normal) {
     if (distance_along_axis <= 0.0) {
         return 1.0; // behind the light: its cone leaves it dark anyway
     }
-    vec3 lifted = lift_receiver(position, normal, to_light, spot.texel * distance_along_axis, spot_taps);
+    float texel = spot.texel * distance_along_axis;
+    vec3 lifted = lift_receiver(position, normal, to_light, spot.direction, texel, spot_taps);
     vec4 clip = spot.clip_from_world * vec4(lifted, 1.0);
     vec3 ndc = clip.xyz / clip.w;
     if (any(greaterThan(abs(ndc.xy), vec2(1.0)))) {
