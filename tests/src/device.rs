@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use shadowgraph::gpu::{Gpu, GpuOptions, Validation};
 
-use crate::harness::isolated;
+use crate::harness::{isolated, skip};
 
 /// Opens a device with validation. Panics where there is none: `cargo xtask setup` installs what is missing.
 pub fn open() -> Gpu {
@@ -32,6 +32,16 @@ fn judged(gpu: Gpu, body: impl FnOnce(&Gpu)) {
 pub fn shared() -> &'static Gpu {
     static SHARED: OnceLock<Gpu> = OnceLock::new();
     SHARED.get_or_init(open)
+}
+
+/// Whether a device snaps vertices to a grid of 1/256 pixel or finer. The tolerances against rays suppose that: a coarser
+/// grid moves triangles, and with them depth and ids. Where it does not, the running test is skipped by name.
+pub fn snaps_finely(gpu: &Gpu) -> bool {
+    let bits = gpu.caps().limits.sub_pixel_bits;
+    if bits < 8 {
+        skip(&format!("{} snaps vertices to 1/{} pixel; the references suppose 1/256", gpu.caps().device, 1 << bits));
+    }
+    bits >= 8
 }
 
 /// Fails on any validation message since the last time.
