@@ -1,38 +1,17 @@
 //! Every kind of mistake in a description, with the exact words that planning has for it.
 #![allow(clippy::unwrap_used)]
 
-use ash::vk::{self, ImageAspectFlags as Aspects, PipelineStageFlags2 as Stages};
+mod plan_support;
+
+use plan_support::{COMPUTE, FRAGMENT, expect, right};
+
+use ash::vk::{self, ImageAspectFlags as Aspects};
 use shadowgraph::graph::description::{
     Access, Origin, PassId, Queue, Range, ResourceId, Root, Shape, Source, Version, VersionId,
 };
 use shadowgraph::graph::plan::plan;
 use shadowgraph::graph::{ErrorKind, ImageShape};
 use shadowgraph_tests::hazard::{Draft, MadeUpDevice};
-
-const COMPUTE: Stages = Stages::COMPUTE_SHADER;
-const FRAGMENT: Stages = Stages::FRAGMENT_SHADER;
-
-/// Plans for one queue, and compares the errors: kinds and lines.
-fn expect(draft: &Draft, kinds: &[ErrorKind], lines: &[&str]) {
-    expect_on(&MadeUpDevice::one_queue(), draft, kinds, lines);
-}
-
-fn expect_on(device: &MadeUpDevice, draft: &Draft, kinds: &[ErrorKind], lines: &[&str]) {
-    let errors = plan(&draft.description, device).unwrap_err();
-    let found: Vec<_> = errors.errors.iter().map(|error| error.kind).collect();
-    let printed: Vec<_> = errors.errors.iter().map(|error| error.to_string()).collect();
-    assert_eq!(printed, lines);
-    assert_eq!(found, kinds);
-}
-
-/// A pass that fills a buffer, captured.
-fn right() -> (Draft, VersionId) {
-    let mut draft = Draft::new("g");
-    let buffer = draft.buffer("numbers", 64);
-    let filled = draft.pass("fill", Queue::Graphics, |pass| pass.overwrite("out", buffer, Access::transfer_write()));
-    draft.capture("numbers", filled);
-    (draft, filled)
-}
 
 #[test]
 fn a_right_description_has_no_error() {

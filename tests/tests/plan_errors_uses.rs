@@ -2,36 +2,15 @@
 //! are in `plan_errors.rs`.
 #![allow(clippy::unwrap_used)]
 
-use ash::vk::{self, PipelineStageFlags2 as Stages};
-use shadowgraph::graph::description::{Access, Origin, Queue, Shape, VersionId};
+mod plan_support;
+
+use plan_support::{COMPUTE, FRAGMENT, expect, expect_on, right};
+
+use ash::vk;
+use shadowgraph::graph::description::{Access, Origin, Queue, Shape};
 use shadowgraph::graph::plan::plan;
 use shadowgraph::graph::{ErrorKind, ImageShape};
 use shadowgraph_tests::hazard::{Draft, MadeUpDevice};
-
-const COMPUTE: Stages = Stages::COMPUTE_SHADER;
-const FRAGMENT: Stages = Stages::FRAGMENT_SHADER;
-
-/// Plans for one queue, and compares the errors: kinds and lines.
-fn expect(draft: &Draft, kinds: &[ErrorKind], lines: &[&str]) {
-    expect_on(&MadeUpDevice::one_queue(), draft, kinds, lines);
-}
-
-fn expect_on(device: &MadeUpDevice, draft: &Draft, kinds: &[ErrorKind], lines: &[&str]) {
-    let errors = plan(&draft.description, device).unwrap_err();
-    let found: Vec<_> = errors.errors.iter().map(|error| error.kind).collect();
-    let printed: Vec<_> = errors.errors.iter().map(|error| error.to_string()).collect();
-    assert_eq!(printed, lines);
-    assert_eq!(found, kinds);
-}
-
-/// A pass that fills a buffer, captured.
-fn right() -> (Draft, VersionId) {
-    let mut draft = Draft::new("g");
-    let buffer = draft.buffer("numbers", 64);
-    let filled = draft.pass("fill", Queue::Graphics, |pass| pass.overwrite("out", buffer, Access::transfer_write()));
-    draft.capture("numbers", filled);
-    (draft, filled)
-}
 
 #[test]
 fn who_writes_makes_a_version() {
