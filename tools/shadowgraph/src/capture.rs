@@ -2,6 +2,8 @@
 
 use std::fs;
 use std::path::Path;
+use std::thread;
+use std::time::Instant;
 
 use shadowgraph::capture::{
     CapturedFrame, ExrOptions, FrameCapture, PngOptions, auto_exposure, picture, write_exr, write_png,
@@ -22,10 +24,20 @@ use crate::view;
 pub fn run(arguments: &CaptureArguments, start: Start) -> Result<()> {
     check_names(arguments)?;
     let mut phases = Phases::new(start);
-    // 1. The scene first: where it is bad, no device is needed to say so.
-    let scene = phases.time("loading", || session::load(&arguments.frame))?;
+    // 1. The scene, and the device meanwhile. Where the scene is bad, that is what there is to say.
+    let (scene, gpu) = thread::scope(|scope| {
+        let device = scope.spawn(|| {
+            let began = Instant::now();
+            (session::open(&arguments.frame.device), began.elapsed())
+        });
+        let scene = phases.time("loading", || session::load(&arguments.frame));
+        let (gpu, time) = device.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        phases.add("device", time);
+        (scene, gpu)
+    });
+    let scene = scene?;
     let camera = view::camera(&arguments.frame, &scene)?;
-    let gpu = phases.time("device", || session::open(&arguments.frame.device))?;
+    let gpu = gpu?;
     // 2. All that holds on to the device goes before the device.
     let told = phases.time("loading", || scene.upload(&gpu)).map_err(Failure::from);
     let told = told.and_then(|scene| render_and_write(arguments, &gpu, &scene, &camera, &mut phases));
@@ -130,7 +142,7 @@ fn render_twice(
 ) -> Result<(Frame, Executed)> {
     let mut both = Vec::with_capacity(2);
     for _ in 0..2 {
-        let began = std::time::Instant::now();
+        let began = Instant::now();
         let rendered = render(executor, gpu, scene, settings)?;
         both.push((began.elapsed(), rendered));
     }
