@@ -7,7 +7,7 @@ use proptest::test_runner::{Config, TestRunner};
 use shadowgraph::graph::description::{Description, Origin, PassId, Range, ResourceId, Shape, Source, VersionId};
 use shadowgraph::graph::plan::plan;
 use shadowgraph::graph::report::text;
-use shadowgraph_tests::hazard::{Recipe, check, recipes};
+use shadowgraph_tests::hazard::{Recipe, check, check_frames, recipes};
 
 /// Random graphs, in the default run and with `SHADOWGRAPH_LONG=1`.
 fn cases(few: u32, many: u32) -> Config {
@@ -35,6 +35,20 @@ fn random_graphs_have_no_hazard() {
 #[test]
 fn large_random_graphs_have_no_hazard() {
     sweep(cases(20, 1_000), 200);
+}
+
+#[test]
+fn random_frames_in_a_row_have_no_hazard() {
+    let histories = prop::collection::vec(any::<[u8; 4]>(), 1..4);
+    let judge = |(recipe, histories): (Recipe, Vec<[u8; 4]>)| {
+        let device = recipe.device();
+        let frames = recipe.frames(&histories, 4, &device).map_err(|errors| TestCaseError::fail(errors.to_string()))?;
+        let wrong = check_frames(&frames, &device);
+        let texts = || frames.iter().map(|frame| text(&frame.description, &frame.plan)).collect::<Vec<_>>();
+        prop_assert!(wrong.is_empty(), "\n{}\n{}", wrong.join("\n"), texts().join("\n--- next frame\n"));
+        Ok(())
+    };
+    TestRunner::new(cases(1_000, 50_000)).run(&(recipes(16), histories), judge).unwrap();
 }
 
 /// Spoils one number of a description.

@@ -7,46 +7,54 @@ use shadowgraph::graph::description::{
 use shadowgraph::graph::plan::{Barriers, DeviceModel, Plan, Work};
 
 use super::atoms::Atoms;
-use super::contents::{Contents, contents, forked_from};
+use super::contents::{Contents, contents, forked_from, last_versions};
 use super::memory;
 use super::part::{Part, arrival};
 use super::record::{Kind, Record, Scopes, each, single};
 use super::rules::{Effect, apply, conflict, foreign_conflict, kind};
 
-struct Replay<'a> {
-    description: &'a Description,
+pub(super) struct Replay<'a> {
+    pub(super) description: &'a Description,
     plan: &'a Plan,
     device: &'a dyn DeviceModel,
-    atoms: Atoms,
-    parts: Vec<Part>,
+    pub(super) atoms: Atoms,
+    pub(super) parts: Vec<Part>,
     sharers: Vec<Vec<ResourceId>>,
     /// By root: the copy's record in host memory.
     copies: Vec<Option<Record>>,
-    errors: Vec<String>,
+    pub(super) errors: Vec<String>,
 }
 
 /// Everything that is wrong with a plan for a description that is right.
 pub fn check(description: &Description, plan: &Plan, device: &dyn DeviceModel) -> Vec<String> {
-    let atoms = Atoms::new(description, plan);
-    let mut errors = Vec::new();
-    memory::placements(description, plan, device, &mut errors);
-    let mut replay = Replay {
-        sharers: memory::sharers(description, plan, device.granularity()),
-        parts: (0..atoms.len()).map(|atom| arrival(description, &atoms, device, atom)).collect(),
-        copies: vec![None; description.roots.len()],
-        description,
-        plan,
-        device,
-        atoms,
-        errors,
-    };
-    replay.completeness();
-    replay.batches();
-    replay.end();
+    let mut replay = Replay::new(description, plan, device);
+    replay.run();
     replay.errors
 }
 
-impl Replay<'_> {
+impl<'a> Replay<'a> {
+    pub(super) fn new(description: &'a Description, plan: &'a Plan, device: &'a dyn DeviceModel) -> Self {
+        let atoms = Atoms::new(description, plan);
+        let mut errors = Vec::new();
+        memory::placements(description, plan, device, &mut errors);
+        Self {
+            sharers: memory::sharers(description, plan, device.granularity()),
+            parts: (0..atoms.len()).map(|atom| arrival(description, &atoms, device, atom)).collect(),
+            copies: vec![None; description.roots.len()],
+            description,
+            plan,
+            device,
+            atoms,
+            errors,
+        }
+    }
+
+    pub(super) fn run(&mut self) {
+        self.completeness();
+        self.batches();
+        self.end();
+    }
+
     fn name(&self, resource: ResourceId) -> &str {
         &self.description.resources[resource.0 as usize].name
     }
@@ -370,7 +378,10 @@ impl Replay<'_> {
         let description = self.description;
         let mut wrong = Vec::new();
         for (index, resource) in description.resources.iter().enumerate() {
-            let Origin::Imported { after, .. } = resource.origin else { continue };
+            let after = match resource.origin {
+                Origin::Transient => continue,
+                Origin::Imported { after, .. } | Origin::Kept { after, .. } => after,
+            };
             let name = &resource.name;
             for part in self.atoms.all(ResourceId(index as u32)).map(|atom| &self.parts[atom]) {
                 if part.released.is_some() || part.owner.is_some_and(|o| Some(o) != self.device.family(Queue::Graphics))
@@ -378,6 +389,10 @@ impl Replay<'_> {
                     wrong.push(format!("`{name}` is not given back to graphics"));
                 }
                 let Some(after) = after else { continue };
+                let unused = part.records.is_empty() && part.contents == Contents::Nothing;
+                if unused && matches!(resource.origin, Origin::Kept { .. }) {
+                    continue;
+                }
                 if matches!(resource.shape, Shape::Image(_)) && part.layout != after.layout {
                     wrong.push(format!("`{name}` is left in layout {:?}, not {:?}", part.layout, after.layout));
                 }
@@ -386,6 +401,19 @@ impl Replay<'_> {
                     let records = part.records.iter();
                     let what = records.filter_map(|record| conflict(record, &used, None, Queue::Graphics, stage, true));
                     wrong.extend(what.map(|what| format!("`{name}` after the frame: {what}")));
+                }
+            }
+        }
+        for (index, resource) in description.resources.iter().enumerate() {
+            if !matches!(resource.origin, Origin::Kept { needed: true, .. }) {
+                continue;
+            }
+            for version in last_versions(description, ResourceId(index as u32)) {
+                for atom in self.atoms.of(ResourceId(index as u32), &description.versions[version.0 as usize].range) {
+                    let part = &self.parts[atom];
+                    if part.contents != contents(description, &self.atoms, version, atom) {
+                        wrong.push(format!("what is needed of `{}` is gone: {:?}", resource.name, part.contents));
+                    }
                 }
             }
         }

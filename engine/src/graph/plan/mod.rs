@@ -19,7 +19,7 @@ mod versions;
 
 pub use device::{DeviceModel, Requirements, Usage};
 pub use output::{
-    Barriers, Batch, BufferBarrier, Heap, ImageBarrier, Lifetime, MemoryBarrier, Ownership, Placement, Plan,
+    Barriers, Batch, BufferBarrier, End, Heap, ImageBarrier, Lifetime, MemoryBarrier, Ownership, Placement, Plan,
     Statistics, Step, Wait, Work,
 };
 pub use reason::{CullReason, Hazard, Reason};
@@ -93,6 +93,7 @@ pub fn plan(description: &Description, device: &dyn DeviceModel) -> Result<Plan,
         heaps: placed.heaps,
         usages,
         lifetimes: lifetimes::report(&versions, &history, description.resources.len()),
+        ends: history::ends(description, &versions, &history),
         statistics: Statistics {
             lower_bound_bytes: placed.lower_bound,
             unaliased_bytes: placed.unaliased,
