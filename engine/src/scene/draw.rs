@@ -111,9 +111,6 @@ impl DrawList {
     }
 }
 
-/// Specialisation constant of `common/materials.glsl`: which textures a pipeline samples, as bits.
-pub const TEXTURES: u32 = 0;
-
 /// Vertex buffers of a pass that needs positions alone.
 pub const POSITIONS: &[VertexBuffer<'static>] = &[VertexBuffer {
     stride: 12,

@@ -94,17 +94,16 @@ impl Scene {
         let no_depth = depth_texel(gpu, &mut uploader)?;
         let material_layout =
             gpu.set_layout(1, &[&surface::gbuffer::gbuffer_frag::SHADER, &surface::depth::masked_frag::SHADER])?;
-        let mut images = TextureImages::new(&self);
+        let used = self.materials.iter().flat_map(slots).filter_map(|(slot, encoding)| Some((slot?.texture, encoding)));
+        let images = TextureImages::upload(gpu, &mut uploader, &self, used)?;
         let plain = gpu.sampler(&SamplerInfo::default())?;
         let mut material_sets = Vec::with_capacity(self.materials.len());
         for (index, material) in self.materials.iter().enumerate() {
             let mut descriptors = Vec::with_capacity(6);
             for (binding, (slot, encoding)) in slots(material).into_iter().enumerate() {
-                let descriptor = match slot {
-                    Some(slot) => {
-                        let image = images.get(gpu, &mut uploader, &self, slot.texture, encoding)?;
-                        Descriptor::texture(&image, sampler(gpu, &self.textures[slot.texture])?)
-                    }
+                let image = slot.and_then(|slot| Some((slot.texture, images.get(slot.texture, encoding)?)));
+                let descriptor = match image {
+                    Some((index, image)) => Descriptor::texture(image, sampler(gpu, &self.textures[index])?),
                     None if encoding == Encoding::Normal => Descriptor::texture(&flat, plain),
                     None => Descriptor::texture(&white, plain),
                 };

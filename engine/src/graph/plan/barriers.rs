@@ -13,11 +13,18 @@ use crate::graph::description::{Access, Description, Queue, ResourceId, Shape};
 /// A barrier of one cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pending {
-    cell: u32,
+    pub(super) cell: u32,
     /// The step that it stands before or, where it releases, behind.
     pub(super) at: At,
     pub(super) release: bool,
     kind: Kind,
+}
+
+impl Pending {
+    /// The last use that it stands behind.
+    pub(super) fn before(&self) -> At {
+        self.kind.before
+    }
 }
 
 /// All that must be alike for cells to share a barrier.

@@ -5,6 +5,7 @@ mod cells;
 mod cull;
 mod dependencies;
 mod device;
+mod gather;
 mod history;
 mod lifetimes;
 mod order;
@@ -78,7 +79,8 @@ pub fn plan(description: &Description, device: &dyn DeviceModel) -> Result<Plan,
         lifetimes: &lifetimes,
         families,
     };
-    let pending = barriers::pending(&context, &placed);
+    let mut pending = barriers::pending(&context, &placed);
+    gather::gather(&mut pending, &schedule, &crossings);
     let batches = queues::batches(&schedule, crossings, &context.takers(&pending));
     let steps = (0..schedule.nodes.len())
         .map(|step| Step { work: schedule.work(step), queue: schedule.queues[step], barriers: Barriers::default() })
