@@ -237,6 +237,19 @@ pub(super) fn clear(
     unsafe { device.cmd_clear_color_image(commands.raw(), image.raw(), layout, &value, &[range]) }
 }
 
+pub(super) fn clear_depth(
+    device: &ash::Device,
+    commands: &Commands,
+    image: &Image,
+    range: vk::ImageSubresourceRange,
+    depth: f32,
+) {
+    let layout = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
+    let value = vk::ClearDepthStencilValue { depth, stencil: 0 };
+    // SAFETY: see the module.
+    unsafe { device.cmd_clear_depth_stencil_image(commands.raw(), image.raw(), layout, &value, &[range]) }
+}
+
 pub(super) fn copy_image(
     device: &ash::Device,
     commands: &Commands,

@@ -1,6 +1,7 @@
 //! Running a planned frame on a device.
 
 mod capture;
+mod histories;
 mod resources;
 mod run;
 mod timer;
@@ -12,6 +13,7 @@ use ash::vk;
 pub use capture::Capture;
 pub use timer::PassTime;
 
+use self::histories::Histories;
 use self::resources::{Resources, image_info};
 use self::timer::Timer;
 use super::builder::{External, Graph};
@@ -33,6 +35,7 @@ pub struct Executor<'g> {
     pipelines: Pipelines,
     descriptors: DescriptorArena,
     heaps: Vec<(Requirements, Heap)>,
+    histories: Histories,
 }
 
 /// A frame that has run.
@@ -64,20 +67,33 @@ impl<'g> Executor<'g> {
     /// An executor without anything kept yet.
     pub fn new(gpu: &'g Gpu) -> Self {
         let descriptors = gpu.descriptor_arena("passes");
-        Self { gpu, pipelines: Pipelines::default(), descriptors, heaps: Vec::new() }
+        Self { gpu, pipelines: Pipelines::default(), descriptors, heaps: Vec::new(), histories: Histories::default() }
     }
 
-    /// Runs a frame and waits until the device is done.
+    /// An empty frame that knows what the last one left ([`Graph::history_image`]).
+    pub fn graph(&self, name: &str) -> Graph<'g> {
+        let mut graph = Graph::new(name, self.gpu.caps());
+        graph.kept = self.histories.kept.clone();
+        graph
+    }
+
+    /// Frees a history; the next frame that declares it is its first. Says whether there was one.
+    pub fn forget_history(&mut self, key: &str) -> bool {
+        self.histories.forget(key)
+    }
+
+    /// Runs a frame and waits until the device is done. Histories of a frame that fails begin anew.
     ///
     /// # Errors
     /// [`Error::Missing`] where a shader asks for what the device lacks; [`Error::OutOfMemory`] naming the heap;
     /// [`Error::DeviceLost`] naming the last pass that began; what a pass's closure returns.
     pub fn execute(&mut self, plan: &Plan, graph: Graph) -> Result<Executed> {
         let start = Instant::now();
-        let Graph { description, mut work, external, arena, .. } = graph;
+        let Graph { description, mut work, mut external, arena, histories, .. } = graph;
         let mut work: Vec<Option<Work>> = work.drain(..).map(Some).collect();
 
         // 1. Memory: what the plan placed, what the frame imports, what the host hands over, what it reads back.
+        self.histories.take(self.gpu, &histories, &mut external)?;
         let memory = self.memory(plan, &description, external)?;
         let arena = self.arena(&arena.bytes)?;
         let captures = self.capture_buffers(&description)?;
@@ -132,6 +148,7 @@ impl<'g> Executor<'g> {
         self.gpu.wait(token)?;
         let running = submitted.elapsed();
         let passes = timer.times(names)?;
+        self.histories.keep(histories, plan, &memory.0);
         Ok(Executed { captures: captures.into_iter().flatten().collect(), passes, recording, running })
     }
 
@@ -203,7 +220,7 @@ impl<'g> Executor<'g> {
                 let make = |program| self.pipelines.graphics(self.gpu, program, targets);
                 (programs.iter().map(make).collect::<Result<Vec<_>>>()?, bound)
             }
-            Work::Fill { .. } | Work::Clear { .. } => return Ok(Vec::new()),
+            Work::Fill { .. } | Work::Clear { .. } | Work::ClearDepth { .. } => return Ok(Vec::new()),
         };
         let mut ready = Vec::with_capacity(pipelines.len());
         for pipeline in pipelines {

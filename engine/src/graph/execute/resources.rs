@@ -60,6 +60,10 @@ impl DeviceModel for Gpu {
         plan::Requirements { size, alignment, type_bits }
     }
 
+    fn image_usages(&self, format: vk::Format) -> vk::ImageUsageFlags {
+        Gpu::image_usages(self, format)
+    }
+
     fn granularity(&self) -> u64 {
         self.caps().limits.buffer_image_granularity.max(1)
     }

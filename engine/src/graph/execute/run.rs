@@ -45,6 +45,12 @@ pub(super) fn run(
             }
             Ok(())
         }
+        Work::ClearDepth { resource, range, value } => {
+            if let (Some(image), Some(range)) = (memory.image(resource), subresources(range)) {
+                record::clear_depth(device, commands, image, range, value);
+            }
+            Ok(())
+        }
         Work::Fill { .. } => Ok(()),
     }
 }

@@ -44,6 +44,11 @@ pub(in crate::graph) enum Work<'f> {
         range: Range,
         value: vk::ClearColorValue,
     },
+    ClearDepth {
+        resource: ResourceId,
+        range: Range,
+        value: f32,
+    },
 }
 
 pub(in crate::graph) type DrawFn<'f> = Box<dyn FnOnce(&mut Recorder) -> Result<()> + 'f>;
