@@ -7,9 +7,7 @@ use ash::vk;
 use gpu_support::{binding, shader};
 use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::{Executed, Executor, First, Graph, History, ImageHandle, ImageShape};
-use shadowgraph::shader::{
-    Binding, BindingKind, ImageSlot, Read, Shader, ShaderAccess, Stage, StorageSlot, Write,
-};
+use shadowgraph::shader::{Binding, BindingKind, ImageSlot, Read, Shader, ShaderAccess, Stage, StorageSlot, Write};
 use shadowgraph_tests::device::isolated_device;
 
 const BINDINGS: [Binding; 2] = [

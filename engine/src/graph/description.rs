@@ -19,7 +19,27 @@ pub struct Description {
     pub passes: Vec<Pass>,
     /// Versions that must exist at the end of the frame.
     pub roots: Vec<Root>,
+    /// Where the host reads something before it goes on, in order: they take the frame apart into segments.
+    pub checkpoints: Vec<Checkpoint>,
 }
+
+/// Where the host reads a root before anything that was recorded later runs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Checkpoint {
+    /// For messages.
+    pub name: String,
+    /// Index into [`Description::roots`] of what is read: a read-back.
+    pub root: usize,
+    /// Passes recorded before it.
+    pub passes: usize,
+    /// Versions made before it.
+    pub versions: usize,
+    /// Resources made before it.
+    pub resources: usize,
+}
+
+/// Size of a buffer that a checkpoint will tell. Larger than any device has.
+pub const UNKNOWN_SIZE: u64 = 1 << 41;
 
 /// Index into [`Description::resources`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -14,6 +14,7 @@ mod place;
 mod queues;
 mod reason;
 mod redundant;
+mod segments;
 mod usage;
 mod validate;
 mod versions;
@@ -24,6 +25,7 @@ pub use output::{
     Statistics, Step, Wait, Work,
 };
 pub use reason::{CullReason, Hazard, Reason};
+pub use segments::{Segment, segment};
 
 use std::collections::HashMap;
 
@@ -33,20 +35,42 @@ use self::barriers::Context;
 use self::dependencies::{Dependencies, events};
 use self::history::History;
 use self::queues::Families;
-use super::description::{Access, Description, Origin, Queue};
+use self::versions::Versions;
+use super::description::{Access, Description, Origin, PassId, Queue};
 use super::errors::{ErrorKind, GraphError, GraphErrors};
 
-/// Plans a frame for a device.
+/// Plans a frame for a device; of a frame with checkpoints, what comes before the first one ([`segment`]).
 ///
 /// # Errors
 /// All that is wrong with the description, at once.
 pub fn plan(description: &Description, device: &dyn DeviceModel) -> Result<Plan, GraphErrors> {
+    if !description.checkpoints.is_empty() {
+        return Ok(segment(description, 0, &[], device)?.plan);
+    }
+    let chosen = choose(description, device)?;
+    plan_chosen(description, chosen, device)
+}
+
+/// What runs of a description that is right.
+struct Chosen {
+    versions: Versions,
+    /// By pass.
+    live: Vec<bool>,
+    culled: Vec<(PassId, CullReason)>,
+}
+
+fn choose(description: &Description, device: &dyn DeviceModel) -> Result<Chosen, GraphErrors> {
     // 1. Find everything that is wrong.
     let versions = validate::validate(description, device)?;
 
     // 2. Leave out what no root and no side effect needs.
     let (live, culled) = cull::cull(description, &versions);
     cull::check_kept(description, &versions, &live)?;
+    Ok(Chosen { versions, live, culled })
+}
+
+fn plan_chosen(description: &Description, chosen: Chosen, device: &dyn DeviceModel) -> Result<Plan, GraphErrors> {
+    let Chosen { versions, live, culled } = chosen;
 
     // 3. What each resource is used for, and the memory it takes.
     let usages = usage::usages(description, &live);

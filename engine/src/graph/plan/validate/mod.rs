@@ -1,5 +1,6 @@
 //! Finds all that is wrong with a description.
 
+mod checkpoints;
 mod ids;
 mod order;
 mod uses;
@@ -37,8 +38,10 @@ pub(super) fn validate(description: &Description, device: &dyn DeviceModel) -> R
         uses::pairs(&mut errors, &versions, pass);
     }
 
-    // 5. Roots.
+    // 5. Roots and checkpoints.
     versions::roots(&mut errors, &versions);
+
+    checkpoints::check(&mut errors);
 
     // 6. Writers of one version, and circles.
     order::check(&mut errors, &versions);
