@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use ash::vk;
 
+use super::checkpoint::Later;
 use super::description::{
     Access, Description, ImageShape, Origin, Pass, PassId, Queue, Range, Resource, ResourceId, Root, Shape, Source,
     Use, Version, VersionId,
@@ -35,6 +36,8 @@ pub struct Graph<'f> {
     pub(super) histories: Vec<Declared>,
     /// Whether histories begin anew.
     pub(super) cut: bool,
+    /// What follows from what checkpoints read.
+    pub(super) later: Vec<Later<'f>>,
 }
 
 /// An imported resource.
@@ -89,6 +92,7 @@ impl<'f> Graph<'f> {
             kept: Arc::default(),
             histories: Vec::new(),
             cut: false,
+            later: Vec::new(),
         }
     }
 
@@ -179,7 +183,7 @@ impl<'f> Graph<'f> {
         next
     }
 
-    /// Plans the frame for a device.
+    /// Plans the frame for a device, up to its first checkpoint; the executor plans on.
     ///
     /// # Errors
     /// All that is wrong with it, at once.
@@ -376,7 +380,7 @@ impl<'f> Graph<'f> {
         }
     }
 
-    fn check_owner(&mut self, slot: &str, handle: &impl Handle) {
+    pub(super) fn check_owner(&mut self, slot: &str, handle: &impl Handle) {
         if handle.graph() != self.id {
             let allowed = format!("handles that `{}` gave", self.description.name);
             self.mistake(None, Some(slot), "is a handle of another graph".into(), allowed);

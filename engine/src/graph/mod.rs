@@ -1,6 +1,7 @@
 //! The render graph: describe, plan, execute, report.
 mod access;
 mod builder;
+mod checkpoint;
 pub mod description;
 mod errors;
 mod execute;
@@ -12,6 +13,7 @@ mod record;
 pub mod report;
 
 pub use builder::{Data, Graph};
+pub use checkpoint::Checkpoint;
 pub use description::ImageShape;
 pub use errors::{ErrorKind, GraphError, GraphErrors};
 pub use execute::{Capture, Executed, Executor, PassTime};

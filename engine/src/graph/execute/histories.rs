@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::resources::image_info;
-use crate::gpu::{BufferInfo, Gpu, Memory};
+use super::resources::alone;
+use crate::gpu::Gpu;
 use crate::graph::builder::External;
-use crate::graph::description::Shape;
+use crate::graph::description::{Origin, Resource, Shape};
 use crate::graph::history::{Declared, KeptHistories};
-use crate::graph::plan::Plan;
+use crate::graph::plan::{Plan, Usage};
 use crate::{Error, Result};
 
 /// What an executor keeps from frame to frame, by key.
@@ -70,25 +70,18 @@ impl Histories {
 /// One of a history's two resources. Later frames may use it in other ways than this one: it gets every usage that its
 /// format has.
 fn make(gpu: &Gpu, history: &Declared, which: &str) -> Result<External> {
-    let name = format!("{} {which}", history.key);
-    Ok(match &history.shape {
+    let usage = match &history.shape {
         Shape::Image(shape) => {
-            let mut usage = gpu.image_usages(shape.format);
-            if shape.samples > 1 {
-                usage &= !vk::ImageUsageFlags::STORAGE;
-            }
-            External::Image(gpu.create_image(&image_info(&name, shape, usage))?)
+            let storage = if shape.samples > 1 { vk::ImageUsageFlags::STORAGE } else { vk::ImageUsageFlags::empty() };
+            Usage::Image(gpu.image_usages(shape.format) & !storage)
         }
-        &Shape::Buffer { size } => {
-            use vk::BufferUsageFlags as Usage;
-            let usage = Usage::STORAGE_BUFFER
-                | Usage::UNIFORM_BUFFER
-                | Usage::VERTEX_BUFFER
-                | Usage::INDEX_BUFFER
-                | Usage::INDIRECT_BUFFER
-                | Usage::TRANSFER_SRC
-                | Usage::TRANSFER_DST;
-            External::Buffer(gpu.create_buffer(&BufferInfo { name: &name, size, usage, memory: Memory::Device })?)
+        Shape::Buffer { .. } => {
+            use vk::BufferUsageFlags as Of;
+            let shaders = Of::STORAGE_BUFFER | Of::UNIFORM_BUFFER;
+            let draws = Of::VERTEX_BUFFER | Of::INDEX_BUFFER | Of::INDIRECT_BUFFER;
+            Usage::Buffer(shaders | draws | Of::TRANSFER_SRC | Of::TRANSFER_DST)
         }
-    })
+    };
+    let (name, shape) = (format!("{} {which}", history.key), history.shape.clone());
+    alone(gpu, &Resource { name, shape, origin: Origin::Transient }, usage)
 }

@@ -4,6 +4,7 @@ mod capture;
 mod histories;
 mod resources;
 mod run;
+mod segments;
 mod timer;
 
 use std::time::{Duration, Instant};
@@ -17,9 +18,9 @@ use self::histories::Histories;
 use self::resources::{Resources, image_info};
 use self::timer::Timer;
 use super::builder::{External, Graph};
-use super::description::{Description, PassId, Range, Shape};
+use super::description::{Description, Origin, PassId, Range, Shape};
 use super::pass::{Bound, What, Work};
-use super::plan::{Plan, Usage, Work as Step};
+use super::plan::{Plan, Segment, Usage, Work as Step};
 use super::record::Ready;
 use crate::gpu::{
     Buffer, BufferInfo, Descriptor, DescriptorArena, Gpu, Heap, Image, Memory, Requirements, SamplerInfo, ViewInfo,
@@ -39,15 +40,35 @@ pub struct Executor<'g> {
 }
 
 /// A frame that has run.
+#[derive(Default)]
 pub struct Executed {
     /// Captured contents, in the order they were captured.
     pub captures: Vec<Capture>,
     /// Time of each pass on the device, in the order of the plan; empty where the device has no timestamps.
     pub passes: Vec<PassTime>,
-    /// Time from the start of the call to submission, on the host.
+    /// Time from the start of the call to submission, on the host. Over all segments.
     pub recording: Duration,
-    /// Time from submission until the device was done.
+    /// Time from submission until the device was done. Over all segments.
     pub running: Duration,
+    /// Segments after the first checkpoint, as they were planned.
+    pub later: Vec<Segment>,
+}
+
+/// What segments of a frame hand on.
+struct Frame<'f> {
+    /// Of passes that have not run, in recorded order.
+    work: std::vec::IntoIter<Work<'f>>,
+    memory: Resources,
+    arena: Option<Buffer>,
+}
+
+/// A segment that has run.
+struct Ran {
+    /// By root.
+    captures: Vec<Option<Capture>>,
+    passes: Vec<PassTime>,
+    recording: Duration,
+    running: Duration,
 }
 
 impl Executed {
@@ -88,15 +109,28 @@ impl<'g> Executor<'g> {
     /// [`Error::Missing`] where a shader asks for what the device lacks; [`Error::OutOfMemory`] naming the heap;
     /// [`Error::DeviceLost`] naming the last pass that began; what a pass's closure returns.
     pub fn execute(&mut self, plan: &Plan, graph: Graph) -> Result<Executed> {
-        let start = Instant::now();
-        let Graph { description, mut work, mut external, arena, histories, .. } = graph;
-        let mut work: Vec<Option<Work>> = work.drain(..).map(Some).collect();
-
-        // 1. Memory: what the plan placed, what the frame imports, what the host hands over, what it reads back.
+        let Graph { description, work, mut external, arena, histories, later, .. } = graph;
         self.histories.take(self.gpu, &histories, &mut external)?;
-        let memory = self.memory(plan, &description, external)?;
         let arena = self.arena(&arena.bytes)?;
-        let captures = self.capture_buffers(&description)?;
+        let mut frame = Frame { work: work.into_iter(), memory: Resources(external), arena };
+        if description.checkpoints.is_empty() {
+            let Ran { captures, passes, recording, running } = self.run(&description, plan, &mut frame)?;
+            self.histories.keep(histories, plan, &frame.memory.0);
+            let captures = captures.into_iter().flatten().collect();
+            return Ok(Executed { captures, passes, recording, running, later: Vec::new() });
+        }
+        self.execute_segments(description, plan, &mut frame, later, histories)
+    }
+
+    /// Runs a frame, or a segment of one, and waits until the device is done.
+    fn run(&mut self, description: &Description, plan: &Plan, frame: &mut Frame) -> Result<Ran> {
+        let start = Instant::now();
+        let mut work: Vec<Option<Work>> = frame.work.by_ref().take(description.passes.len()).map(Some).collect();
+
+        // 1. Memory: what the plan placed, what the host reads back.
+        self.memory(plan, description, &mut frame.memory)?;
+        let (memory, arena) = (&frame.memory, frame.arena.as_ref());
+        let captures = self.capture_buffers(description)?;
 
         // 2. Pipelines and descriptor sets.
         self.descriptors.reset();
@@ -105,7 +139,7 @@ impl<'g> Executor<'g> {
             if let Step::Pass(PassId(pass)) = step.work {
                 let name = &description.passes[pass as usize].name;
                 if let Some(work) = &work[pass as usize] {
-                    ready.push((pass, self.prepare(name, work, &memory, arena.as_ref())?));
+                    ready.push((pass, self.prepare(name, work, memory, arena)?));
                 }
             }
         }
@@ -117,14 +151,14 @@ impl<'g> Executor<'g> {
         let mut ready = ready.into_iter();
         let mut names = Vec::with_capacity(plan.steps.len());
         for (index, step) in plan.steps.iter().enumerate() {
-            run::batch(&step.barriers, &memory).record(device, &commands);
+            run::batch(&step.barriers, memory).record(device, &commands);
             timer.mark(device, &commands, 2 * index);
             match step.work {
                 Step::Pass(PassId(pass)) => {
                     let name = &description.passes[pass as usize].name;
                     commands.begin_pass(name);
                     if let (Some(work), Some((_, programs))) = (work[pass as usize].take(), ready.next()) {
-                        run::run(device, &commands, work, &programs, &memory)?;
+                        run::run(device, &commands, work, &programs, memory)?;
                     }
                     commands.end_pass();
                     names.push(name.clone());
@@ -132,14 +166,14 @@ impl<'g> Executor<'g> {
                 Step::ReadBack(root) => {
                     let name = &description.roots[root].name;
                     commands.begin_pass(&format!("read back {name}"));
-                    capture::read_back(device, &commands, &description, root, &memory, captures[root].as_ref());
+                    capture::read_back(device, &commands, description, root, memory, captures[root].as_ref());
                     commands.end_pass();
                     names.push(format!("read back {name}"));
                 }
             }
             timer.mark(device, &commands, 2 * index + 1);
         }
-        run::batch(&plan.finally, &memory).record(device, &commands);
+        run::batch(&plan.finally, memory).record(device, &commands);
 
         // 4. Run, and wait.
         let recording = start.elapsed();
@@ -148,18 +182,23 @@ impl<'g> Executor<'g> {
         self.gpu.wait(token)?;
         let running = submitted.elapsed();
         let passes = timer.times(names)?;
-        self.histories.keep(histories, plan, &memory.0);
-        Ok(Executed { captures: captures.into_iter().flatten().collect(), passes, recording, running })
+        Ok(Ran { captures, passes, recording, running })
     }
 
-    /// Images and buffers of the frame, by resource.
-    fn memory(&mut self, plan: &Plan, description: &Description, external: Vec<Option<External>>) -> Result<Resources> {
+    /// Makes what is not there yet: transients where the plan placed them, and what is alive over a checkpoint.
+    fn memory(&mut self, plan: &Plan, description: &Description, resources: &mut Resources) -> Result<()> {
         let mut heaps = Vec::with_capacity(plan.heaps.len());
         for (index, heap) in plan.heaps.iter().enumerate() {
             let wanted = Requirements { size: heap.size, alignment: heap.alignment, type_bits: heap.type_bits };
             heaps.push(self.heap(index, wanted)?);
         }
-        let mut resources = Resources(external);
+        for (index, resource) in description.resources.iter().enumerate() {
+            if let (Origin::Kept { .. }, None, Some(usage)) =
+                (&resource.origin, &resources.0[index], plan.usages[index])
+            {
+                resources.0[index] = Some(resources::alone(self.gpu, resource, usage)?);
+            }
+        }
         for placement in &plan.placements {
             let resource = &description.resources[placement.resource.0 as usize];
             let heap = &heaps[placement.heap];
@@ -176,7 +215,7 @@ impl<'g> Executor<'g> {
             };
             resources.0[placement.resource.0 as usize] = Some(made);
         }
-        Ok(resources)
+        Ok(())
     }
 
     /// The heap kept for this place where it fits, else a new one.
@@ -270,7 +309,9 @@ impl<'g> Executor<'g> {
                         self.image_descriptor(binding, image.clone(), view, *layout, sampler)
                     }
                     (External::Buffer(buffer), Range::Buffer([first, end])) => {
-                        Ok(Descriptor::Buffer { buffer: buffer.clone(), offset: first, size: end - first })
+                        // A size that a checkpoint told may be less than the description's.
+                        let size = end.min(buffer.size()).saturating_sub(first);
+                        Ok(Descriptor::Buffer { buffer: buffer.clone(), offset: first, size })
                     }
                     _ => Err(missing()),
                 }

@@ -43,6 +43,12 @@ macro_rules! binding_methods {
             self
         }
 
+        /// Gives a uniform block its value from the frame's arena: one that follows from a checkpoint.
+        pub fn uniform_data<T>(&mut self, slot: UniformSlot<T>, data: Data) -> &mut Self {
+            self.collected.constant(self.graph, &slot.binding(), What::Data(data));
+            self
+        }
+
         /// Binds bytes that do not change while the frame runs, so that nothing needs to be waited for.
         pub fn constant<T>(&mut self, slot: StorageSlot<T, shader::Read>, bytes: impl Unchanging) -> &mut Self {
             self.collected.constant(self.graph, &slot.binding(), bytes.what().0);

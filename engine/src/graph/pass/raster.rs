@@ -7,7 +7,7 @@ use super::collect::Collected;
 use super::{Attachment, Attachments, Load, What, Work};
 use crate::Result;
 use crate::gpu::{Image, SamplerInfo};
-use crate::graph::builder::Graph;
+use crate::graph::builder::{Data, Graph};
 use crate::graph::description::{Access, Queue};
 use crate::graph::handle::ImageHandle;
 use crate::graph::record::Recorder;
