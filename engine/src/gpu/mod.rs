@@ -23,6 +23,7 @@ mod format;
 mod image;
 mod image_info;
 mod instance;
+mod large_pages;
 mod layout;
 mod memory;
 mod messages;

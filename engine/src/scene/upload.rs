@@ -191,6 +191,7 @@ fn draws_and_instances(scene: &Scene, geometry: &Geometry) -> (DrawList, Vec<blo
 
     let mut draws: Vec<Draw> = Vec::new();
     let mut instances = Vec::with_capacity(items.len());
+    let mut instance_bounds = Vec::with_capacity(items.len());
     let mut last_key = None;
     for item in &items {
         let (class, double_sided, mirrored, material, mesh, part) = item.key;
@@ -200,6 +201,7 @@ fn draws_and_instances(scene: &Scene, geometry: &Geometry) -> (DrawList, Vec<blo
         let bounds = bounds.transformed(object.world_from_object);
         let before: usize = primitives[..part].iter().map(|p| p.indices.len() / 3).sum();
         let start = geometry.starts[mesh][part];
+        instance_bounds.push(bounds);
         instances.push(instance_record(&object.world_from_object, item.object, material, before, start));
         // Blended instances are sorted one by one, so each is a draw of its own.
         if last_key == Some(item.key) && class != DrawClass::Blend {
@@ -224,7 +226,7 @@ fn draws_and_instances(scene: &Scene, geometry: &Geometry) -> (DrawList, Vec<blo
         }
         last_key = Some(item.key);
     }
-    (DrawList::new(draws), instances)
+    (DrawList::new(draws, instance_bounds), instances)
 }
 
 fn instance_record(
