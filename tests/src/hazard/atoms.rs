@@ -18,13 +18,15 @@ enum Cut {
 }
 
 impl Atoms {
-    pub fn new(description: &Description, plan: &Plan) -> Self {
-        let all = plan.steps.iter().map(|step| &step.barriers).chain(plan.batches.iter().map(|batch| &batch.release));
-        let barriers = all.chain([&plan.finally]).flat_map(|barriers| &barriers.buffers);
-        let ranges: Vec<(ResourceId, Range)> = barriers
+    pub fn new(description: &Description, plans: &[&Plan]) -> Self {
+        let steps = plans.iter().flat_map(|plan| &plan.steps).map(|step| &step.barriers);
+        let batches = plans.iter().flat_map(|plan| &plan.batches).map(|batch| &batch.release);
+        let all = steps.chain(batches).chain(plans.iter().map(|plan| &plan.finally));
+        let ranges: Vec<(ResourceId, Range)> = all
+            .flat_map(|barriers| &barriers.buffers)
             .map(|barrier| (barrier.resource, barrier.range))
             .chain(description.versions.iter().map(|version| (version.resource, version.range)))
-            .chain(plan.ends.iter().map(|end| (end.resource, end.state.range)))
+            .chain(plans.iter().flat_map(|plan| &plan.ends).map(|end| (end.resource, end.state.range)))
             .collect();
         let mut atoms = Self { cuts: Vec::new(), resources: Vec::new() };
         for (index, resource) in description.resources.iter().enumerate() {

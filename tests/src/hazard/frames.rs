@@ -1,9 +1,10 @@
-//! Frames in a row: what one leaves, the next one finds.
+//! Frames and segments of frames in a row: what one leaves, the next one finds.
 
-use shadowgraph::graph::description::{Description, Origin, ResourceId};
-use shadowgraph::graph::plan::{DeviceModel, Plan};
+use shadowgraph::graph::description::{Description, Origin, PassId, ResourceId};
+use shadowgraph::graph::plan::{DeviceModel, Plan, Segment, Work};
 
 use super::contents::Contents;
+use super::memory::placements;
 use super::record::{Kind, Record};
 use super::replay::Replay;
 
@@ -32,6 +33,38 @@ pub fn check_frames(frames: &[Frame], device: &dyn DeviceModel) -> Vec<String> {
         before = Some(replay);
     }
     errors
+}
+
+/// Everything that is wrong with the plans of a frame's segments, for a frame that is right. Accesses of one segment
+/// are held against those of all before it. That the device is done with transients of the segments before is taken
+/// for granted: the host waited to read.
+pub fn check_segments(whole: &Description, segments: &[Segment], device: &dyn DeviceModel) -> Vec<String> {
+    let plans: Vec<Plan> = segments.iter().map(of_whole).collect();
+    let plans: Vec<&Plan> = plans.iter().collect();
+    let mut replay = Replay::over(whole, &plans, device);
+    replay.completeness(&plans);
+    for (segment, plan) in segments.iter().zip(&plans) {
+        placements(&segment.description, plan, device, &mut replay.errors);
+        replay.begin(plan);
+        replay.batches();
+        replay.settle();
+    }
+    replay.end();
+    replay.errors
+}
+
+/// A segment's plan, with passes and roots numbered as in the whole frame.
+fn of_whole(segment: &Segment) -> Plan {
+    let mut plan = segment.plan.clone();
+    let pass = |pass: PassId| PassId(pass.0 + segment.passes.start as u32);
+    for step in &mut plan.steps {
+        step.work = match step.work {
+            Work::Pass(id) => Work::Pass(pass(id)),
+            Work::ReadBack(root) => Work::ReadBack(segment.roots[root]),
+        };
+    }
+    plan.culled.iter_mut().for_each(|(id, _)| *id = pass(*id));
+    plan
 }
 
 impl Replay<'_> {

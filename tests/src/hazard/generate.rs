@@ -87,6 +87,22 @@ impl Recipe {
     }
 }
 
+impl Recipe {
+    /// The description, with a checkpoint behind some of its passes.
+    pub fn description_with_checkpoints(&self, choices: &[u8]) -> Description {
+        let mut maker = Maker::new();
+        self.resources.iter().for_each(|choices| maker.resource(*choices));
+        for (index, (kind, uses)) in self.passes.iter().enumerate() {
+            maker.step(*kind, uses);
+            if let Some(choice) = choices.iter().find(|choice| usize::from(**choice) % self.passes.len() == index) {
+                maker.checkpoint(*choice);
+            }
+        }
+        maker.roots(&self.roots);
+        maker.draft.description
+    }
+}
+
 const QUEUES: [Queue; 4] = [Queue::Graphics, Queue::Graphics, Queue::Compute, Queue::Transfer];
 
 impl Maker {
@@ -186,6 +202,18 @@ impl Maker {
             self.parts[resource].heads[part] = version;
             self.written.push(version);
         }
+    }
+
+    /// The host reads a version that holds something. From here on nobody reads what was written over before.
+    fn checkpoint(&mut self, choice: u8) {
+        if self.written.is_empty() {
+            return;
+        }
+        let version = self.written[usize::from(choice / 3) % self.written.len()];
+        let name = format!("c{}", self.draft.description.checkpoints.len());
+        self.draft.checkpoint(&name, version);
+        let heads: Vec<VersionId> = self.parts.iter().flat_map(|parts| &parts.heads).copied().collect();
+        self.written.retain(|version| heads.contains(version));
     }
 
     /// Takes a head apart.

@@ -34,24 +34,40 @@ pub fn check(description: &Description, plan: &Plan, device: &dyn DeviceModel) -
 
 impl<'a> Replay<'a> {
     pub(super) fn new(description: &'a Description, plan: &'a Plan, device: &'a dyn DeviceModel) -> Self {
-        let atoms = Atoms::new(description, plan);
-        let mut errors = Vec::new();
-        memory::placements(description, plan, device, &mut errors);
+        let mut replay = Self::over(description, &[plan], device);
+        memory::placements(description, plan, device, &mut replay.errors);
+        replay.begin(plan);
+        replay
+    }
+
+    /// Over several plans in a row; [`Replay::begin`] takes each.
+    pub(super) fn over(description: &'a Description, plans: &[&'a Plan], device: &'a dyn DeviceModel) -> Self {
+        let atoms = Atoms::new(description, plans);
         Self {
-            sharers: memory::sharers(description, plan, device.granularity()),
+            sharers: Vec::new(),
             parts: (0..atoms.len()).map(|atom| arrival(description, &atoms, device, atom)).collect(),
             copies: vec![None; description.roots.len()],
             description,
-            plan,
+            plan: plans[0],
             device,
             atoms,
-            errors,
+            errors: Vec::new(),
+        }
+    }
+
+    /// Takes a plan up, behind what was replayed so far.
+    pub(super) fn begin(&mut self, plan: &'a Plan) {
+        self.plan = plan;
+        self.sharers = memory::sharers(self.description, plan, self.device.granularity());
+        for record in self.parts.iter_mut().flat_map(|part| &mut part.records) {
+            *record = record.of_the_frame_before();
         }
     }
 
     pub(super) fn run(&mut self) {
-        self.completeness();
+        self.completeness(&[self.plan]);
         self.batches();
+        self.settle();
         self.end();
     }
 
@@ -64,30 +80,33 @@ impl<'a> Replay<'a> {
     }
 
     /// Every pass runs once or is culled, every read-back runs once, every step is in one batch, in order.
-    fn completeness(&mut self) {
+    pub(super) fn completeness(&mut self, plans: &[&Plan]) {
+        let culled = |pass| plans.iter().flat_map(|plan| &plan.culled).any(|(culled, _)| *culled == pass);
         let mut expected: Vec<Work> = (0..self.description.passes.len() as u32)
             .map(shadowgraph::graph::description::PassId)
-            .filter(|pass| !self.plan.culled.iter().any(|(culled, _)| culled == pass))
+            .filter(|pass| !culled(*pass))
             .map(Work::Pass)
             .collect();
         let roots = self.description.roots.iter().enumerate();
         expected.extend(roots.filter(|(_, root)| root.read_back).map(|(index, _)| Work::ReadBack(index)));
-        let mut found: Vec<Work> = self.plan.steps.iter().map(|step| step.work).collect();
+        let mut found: Vec<Work> = plans.iter().flat_map(|plan| &plan.steps).map(|step| step.work).collect();
         found.sort_unstable();
         if found != expected {
             self.errors.push(format!("steps are {found:?}, expected {expected:?}"));
         }
-        let mut steps: Vec<usize> = self.plan.batches.iter().flat_map(|batch| batch.steps.clone()).collect();
-        steps.sort_unstable();
-        if steps != (0..self.plan.steps.len()).collect::<Vec<_>>() {
-            self.errors.push(format!("batches hold steps {steps:?}"));
-        }
-        if self.plan.batches.last().is_none_or(|batch| batch.queue != Queue::Graphics) {
-            self.errors.push("the last batch is not on graphics".into());
+        for plan in plans {
+            let mut steps: Vec<usize> = plan.batches.iter().flat_map(|batch| batch.steps.clone()).collect();
+            steps.sort_unstable();
+            if steps != (0..plan.steps.len()).collect::<Vec<_>>() {
+                self.errors.push(format!("batches hold steps {steps:?}"));
+            }
+            if plan.batches.last().is_none_or(|batch| batch.queue != Queue::Graphics) {
+                self.errors.push("the last batch is not on graphics".into());
+            }
         }
     }
 
-    fn batches(&mut self) {
+    pub(super) fn batches(&mut self) {
         let plan = self.plan;
         let mut signalled = [0; 3];
         for batch in &plan.batches {
@@ -374,7 +393,7 @@ impl<'a> Replay<'a> {
     }
 
     /// The state after the frame.
-    fn end(&mut self) {
+    pub(super) fn end(&mut self) {
         let description = self.description;
         let mut wrong = Vec::new();
         for (index, resource) in description.resources.iter().enumerate() {
@@ -425,6 +444,12 @@ impl<'a> Replay<'a> {
                 }
             }
         }
+        self.errors.extend(wrong);
+    }
+
+    /// The host reads what was copied for it, and nothing still runs.
+    pub(super) fn settle(&mut self) {
+        let mut wrong = Vec::new();
         for copy in self.copies.iter().flatten() {
             if !copy.is_before(Queue::Graphics, Stages::HOST.as_raw())
                 || !copy.is_visible(Queue::Graphics, Stages::HOST.as_raw(), Mask::HOST_READ)
