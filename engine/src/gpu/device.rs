@@ -13,7 +13,7 @@ use super::layout::LayoutKey;
 use super::pipeline_cache::CacheFile;
 use super::sampler::SamplerKey;
 use super::submit::State;
-use super::{Caps, DeviceKind, Memory, Messages, large_pages, lock};
+use super::{Caps, Memory, Messages, lock};
 use crate::{Error, Result};
 
 /// Lives as long as anything made from it.
@@ -184,14 +184,10 @@ impl Device {
             linear,
             allocation_scheme: AllocationScheme::GpuAllocatorManaged,
         };
-        let allocation = match lock(&self.allocator).as_mut() {
-            Some(allocator) => allocator.allocate(&info).map_err(|e| out_of_memory(e.to_string()))?,
-            None => return Err(out_of_memory("there is no allocator".into())),
-        };
-        if self.caps.kind == DeviceKind::Cpu {
-            large_pages::ask(&allocation);
+        match lock(&self.allocator).as_mut() {
+            Some(allocator) => allocator.allocate(&info).map_err(|e| out_of_memory(e.to_string())),
+            None => Err(out_of_memory("there is no allocator".into())),
         }
-        Ok(allocation)
     }
 
     pub(super) fn free(&self, allocation: Allocation) {

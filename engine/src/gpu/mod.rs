@@ -23,7 +23,6 @@ mod format;
 mod image;
 mod image_info;
 mod instance;
-mod large_pages;
 mod layout;
 mod memory;
 mod messages;
