@@ -11,6 +11,7 @@ use super::description::{
     Use, Version, VersionId,
 };
 use super::errors::{ErrorKind, GraphError, GraphErrors};
+use super::execute::Asked;
 use super::handle::{BufferHandle, Handle, ImageHandle};
 use super::history::{Declared, KeptHistories};
 use super::pass::{ComputePass, RasterPass, Work};
@@ -38,6 +39,8 @@ pub struct Graph<'f> {
     pub(super) cut: bool,
     /// What follows from what checkpoints read.
     pub(super) later: Vec<Later<'f>>,
+    /// What passes ask the device to count.
+    pub(super) queries: Vec<Asked>,
 }
 
 /// An imported resource.
@@ -93,6 +96,7 @@ impl<'f> Graph<'f> {
             histories: Vec::new(),
             cut: false,
             later: Vec::new(),
+            queries: Vec::new(),
         }
     }
 
@@ -321,7 +325,9 @@ impl<'f> Graph<'f> {
     }
 
     pub(super) fn push_pass(&mut self, name: String, queue: Queue, uses: Vec<Use>, work: Work<'f>) {
-        self.description.passes.push(Pass { name, queue, uses, side_effect: None });
+        let counts = self.queries.last().is_some_and(|asked| asked.pass == self.next_pass());
+        let side_effect = counts.then(|| "the device counts over it".into());
+        self.description.passes.push(Pass { name, queue, uses, side_effect });
         self.work.push(work);
     }
 

@@ -2,6 +2,7 @@
 
 mod capture;
 mod histories;
+mod queries;
 mod resources;
 mod run;
 mod segments;
@@ -12,16 +13,19 @@ use std::time::{Duration, Instant};
 use ash::vk;
 
 pub use capture::Capture;
+pub(super) use queries::Asked;
+pub use queries::{Counts, PassCount};
 pub use timer::PassTime;
 
 use self::histories::Histories;
+use self::queries::Queries;
 use self::resources::{Resources, image_info};
 use self::timer::Timer;
 use super::builder::{External, Graph};
 use super::description::{Description, Origin, PassId, Range, Shape};
 use super::pass::{Bound, What, Work};
 use super::plan::{Plan, Segment, Usage, Work as Step};
-use super::record::Ready;
+use super::record::{self, Ready};
 use crate::gpu::{
     Buffer, BufferInfo, Descriptor, DescriptorArena, Gpu, Heap, Image, Memory, Requirements, SamplerInfo, ViewInfo,
 };
@@ -37,6 +41,7 @@ pub struct Executor<'g> {
     descriptors: DescriptorArena,
     heaps: Vec<(Requirements, Heap)>,
     histories: Histories,
+    serialize: bool,
 }
 
 /// A frame that has run.
@@ -50,6 +55,8 @@ pub struct Executed {
     pub recording: Duration,
     /// Time from submission until the device was done. Over all segments.
     pub running: Duration,
+    /// What passes asked the device to count.
+    pub counts: Vec<PassCount>,
     /// Segments after the first checkpoint, as they were planned.
     pub later: Vec<Segment>,
 }
@@ -60,6 +67,9 @@ struct Frame<'f> {
     work: std::vec::IntoIter<Work<'f>>,
     memory: Resources,
     arena: Option<Buffer>,
+    queries: Vec<Asked>,
+    /// How many passes the segments before had.
+    first_pass: u32,
 }
 
 /// A segment that has run.
@@ -67,6 +77,7 @@ struct Ran {
     /// By root.
     captures: Vec<Option<Capture>>,
     passes: Vec<PassTime>,
+    counts: Vec<PassCount>,
     recording: Duration,
     running: Duration,
 }
@@ -88,7 +99,14 @@ impl<'g> Executor<'g> {
     /// An executor without anything kept yet.
     pub fn new(gpu: &'g Gpu) -> Self {
         let descriptors = gpu.descriptor_arena("passes");
-        Self { gpu, pipelines: Pipelines::default(), descriptors, heaps: Vec::new(), histories: Histories::default() }
+        Self {
+            gpu,
+            pipelines: Pipelines::default(),
+            descriptors,
+            heaps: Vec::new(),
+            histories: Histories::default(),
+            serialize: false,
+        }
     }
 
     /// An empty frame that knows what the last one left ([`Graph::history_image`]).
@@ -96,6 +114,12 @@ impl<'g> Executor<'g> {
         let mut graph = Graph::new(name, self.gpu.caps());
         graph.kept = self.histories.kept.clone();
         graph
+    }
+
+    /// Puts a full barrier before every pass: where that changes a picture, a barrier is missing; where it does not, a
+    /// shader is wrong.
+    pub fn serialize(&mut self, on: bool) {
+        self.serialize = on;
     }
 
     /// Frees a history; the next frame that declares it is its first. Says whether there was one.
@@ -109,15 +133,15 @@ impl<'g> Executor<'g> {
     /// [`Error::Missing`] where a shader asks for what the device lacks; [`Error::OutOfMemory`] naming the heap;
     /// [`Error::DeviceLost`] naming the last pass that began; what a pass's closure returns.
     pub fn execute(&mut self, plan: &Plan, graph: Graph) -> Result<Executed> {
-        let Graph { description, work, mut external, arena, histories, later, .. } = graph;
+        let Graph { description, work, mut external, arena, histories, later, queries, .. } = graph;
         self.histories.take(self.gpu, &histories, &mut external)?;
         let arena = self.arena(&arena.bytes)?;
-        let mut frame = Frame { work: work.into_iter(), memory: Resources(external), arena };
+        let mut frame = Frame { work: work.into_iter(), memory: Resources(external), arena, queries, first_pass: 0 };
         if description.checkpoints.is_empty() {
-            let Ran { captures, passes, recording, running } = self.run(&description, plan, &mut frame)?;
+            let Ran { captures, passes, counts, recording, running } = self.run(&description, plan, &mut frame)?;
             self.histories.keep(histories, plan, &frame.memory.0);
             let captures = captures.into_iter().flatten().collect();
-            return Ok(Executed { captures, passes, recording, running, later: Vec::new() });
+            return Ok(Executed { captures, passes, counts, recording, running, later: Vec::new() });
         }
         self.execute_segments(description, plan, &mut frame, later, histories)
     }
@@ -148,17 +172,26 @@ impl<'g> Executor<'g> {
         let device = self.gpu.raw();
         let mut commands = self.gpu.commands(&description.name)?;
         let timer = Timer::new(self.gpu, plan.steps.len())?;
+        let queries = self.queries(plan, description, frame)?;
+        let first_pass = frame.first_pass;
+        frame.first_pass += description.passes.len() as u32;
         let mut ready = ready.into_iter();
         let mut names = Vec::with_capacity(plan.steps.len());
         for (index, step) in plan.steps.iter().enumerate() {
             run::batch(&step.barriers, memory).record(device, &commands);
+            if self.serialize {
+                record::full_barrier(device, &commands);
+            }
             timer.mark(device, &commands, 2 * index);
             match step.work {
                 Step::Pass(PassId(pass)) => {
                     let name = &description.passes[pass as usize].name;
                     commands.begin_pass(name);
                     if let (Some(work), Some((_, programs))) = (work[pass as usize].take(), ready.next()) {
+                        let whole = PassId(first_pass + pass);
+                        queries.begin(device, &commands, whole);
                         run::run(device, &commands, work, &programs, memory)?;
+                        queries.end(device, &commands, whole);
                     }
                     commands.end_pass();
                     names.push(name.clone());
@@ -182,7 +215,19 @@ impl<'g> Executor<'g> {
         self.gpu.wait(token)?;
         let running = submitted.elapsed();
         let passes = timer.times(names)?;
-        Ok(Ran { captures, passes, recording, running })
+        Ok(Ran { captures, passes, counts: queries.counts()?, recording, running })
+    }
+
+    /// Queries of the passes that run.
+    fn queries(&self, plan: &Plan, description: &Description, frame: &Frame) -> Result<Queries> {
+        if frame.queries.is_empty() {
+            return Ok(Queries::default());
+        }
+        Queries::new(self.gpu, &frame.queries, |PassId(pass)| {
+            let here = pass.checked_sub(frame.first_pass)?;
+            let runs = plan.steps.iter().any(|step| step.work == Step::Pass(PassId(here)));
+            runs.then(|| description.passes[here as usize].name.clone())
+        })
     }
 
     /// Makes what is not there yet: transients where the plan placed them, and what is alive over a checkpoint.
@@ -259,7 +304,9 @@ impl<'g> Executor<'g> {
                 let make = |program| self.pipelines.graphics(self.gpu, program, targets);
                 (programs.iter().map(make).collect::<Result<Vec<_>>>()?, bound)
             }
-            Work::Fill { .. } | Work::Clear { .. } | Work::ClearDepth { .. } => return Ok(Vec::new()),
+            Work::Fill { .. } | Work::Clear { .. } | Work::ClearDepth { .. } | Work::Zero(_) => {
+                return Ok(Vec::new());
+            }
         };
         let mut ready = Vec::with_capacity(pipelines.len());
         for pipeline in pipelines {

@@ -29,8 +29,9 @@ impl Executor<'_> {
 
             // 2. Run it.
             let ran = self.run(&planned.description, &planned.plan, frame)?;
-            let Ran { captures: read, passes, recording, running } = ran;
+            let Ran { captures: read, passes, counts, recording, running } = ran;
             executed.passes.extend(passes);
+            executed.counts.extend(counts);
             executed.recording += recording;
             executed.running += running;
             planned.roots.iter().zip(read).for_each(|(&root, capture)| captures[root] = capture);

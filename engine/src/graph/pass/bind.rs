@@ -36,6 +36,13 @@ impl Unchanging for &Buffer {
 /// The methods that bind, alike for both kinds of pass.
 macro_rules! binding_methods {
     () => {
+        /// Counts what the pipeline does over this pass, which therefore runs whoever reads what it writes
+        /// ([`crate::graph::Executed::statistic`]). Once a pass; needs `pipelineStatisticsQuery`.
+        pub fn statistics(&mut self, counters: ash::vk::QueryPipelineStatisticFlags) -> &mut Self {
+            self.collected.counted.push(crate::gpu::QueryKind::Statistics(counters));
+            self
+        }
+
         /// Gives a uniform block its value.
         pub fn uniform<T: bytemuck::Pod>(&mut self, slot: UniformSlot<T>, value: &T) -> &mut Self {
             let data = self.graph.data(std::slice::from_ref(value));
