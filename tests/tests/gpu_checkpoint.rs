@@ -207,9 +207,9 @@ fn blocks_follow_from_checkpoints_and_histories_go_through_them() {
             pass.read(from, &one);
             let two = pass.write(to, two);
             pass.dispatch([1, 1, 1]);
-            // So many words, each a thousand more than it says.
+            // So many words, each a thousand and that more than it says.
             let second = graph.checkpoint::<u32>("second", &two);
-            let thousand = graph.data_after(&second, |values| 1000 + 0 * values[0]);
+            let thousand = graph.data_after(&second, |values| 1000 + values[0]);
             let many = graph.buffer_after(&second, "many", |values| 4 * u64::from(values[0]));
             let mut pass = graph.compute("many", add);
             pass.uniform_data(step, thousand);
@@ -225,7 +225,7 @@ fn blocks_follow_from_checkpoints_and_histories_go_through_them() {
             graph.capture("next", &next);
             let executed = run(&mut executor, gpu, graph);
             let two = 2 * (want + 5);
-            assert_eq!(executed.capture("many").unwrap().texels::<u32>().unwrap(), vec![1000 + two; two as usize]);
+            assert_eq!(executed.capture("many").unwrap().texels::<u32>().unwrap(), vec![1000 + 2 * two; two as usize]);
             want += 3;
             assert_eq!(executed.capture("next").unwrap().texels::<u32>().unwrap(), [want], "frame {frame}");
             let ran: Vec<_> = executed.passes.iter().map(|pass| pass.name.as_str()).collect();

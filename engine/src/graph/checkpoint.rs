@@ -39,12 +39,15 @@ pub(super) struct Later<'f> {
 
 enum What<'f> {
     /// The values are told.
-    Values(Box<dyn FnOnce(&Capture) -> Result<()> + 'f>),
+    Values(Tell),
     /// A buffer gets its size.
-    Size(description::ResourceId, Box<dyn FnOnce() -> Result<u64> + 'f>),
+    Size(description::ResourceId, Follow<'f, u64>),
     /// A block gets its bytes.
-    Bytes(Data, Box<dyn FnOnce() -> Result<Vec<u8>> + 'f>),
+    Bytes(Data, Follow<'f, Vec<u8>>),
 }
+
+type Tell = Box<dyn FnOnce(&Capture) -> Result<()>>;
+type Follow<'f, T> = Box<dyn FnOnce() -> Result<T> + 'f>;
 
 impl<'f> Graph<'f> {
     /// The host reads these contents as values of type `T` before anything runs that is recorded from here on.

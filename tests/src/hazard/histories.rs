@@ -74,7 +74,7 @@ fn ends(plan: &Plan, resource: ResourceId) -> Vec<State> {
 impl Maker {
     fn pair(&mut self, index: usize, pair: &Pair, choice: u8) -> [ResourceId; 2] {
         let is_image = matches!(pair.shape, Shape::Image(_));
-        let after = Some(state(choice >> 2, is_image)).filter(|_| choice % 4 == 0);
+        let after = Some(state(choice >> 2, is_image)).filter(|_| choice.is_multiple_of(4));
         let after = after.filter(|after| *after != Access::NONE);
         let holds = holds(&pair.shape, &pair.previous);
         let origin = Origin::Kept { before: pair.previous.clone(), after, needed: false };
