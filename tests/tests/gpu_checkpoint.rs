@@ -3,9 +3,10 @@
 
 mod gpu_support;
 
+use ash::vk;
 use gpu_support::{binding, shader};
 use shadowgraph::gpu::Gpu;
-use shadowgraph::graph::{Executed, Executor, First, Graph};
+use shadowgraph::graph::{Executed, Executor, First, Graph, ImageShape};
 use shadowgraph::shader::{
     Binding, BindingKind, Read, ReadWrite, Shader, ShaderAccess, Stage, StorageSlot, UniformSlot, Write,
 };
@@ -234,6 +235,39 @@ fn blocks_follow_from_checkpoints_and_histories_go_through_them() {
             // Those behind the second checkpoint depend on nothing of each other.
             assert_eq!(passes[..passes.len() - 2], [begin, &["one", "two"]].concat());
             assert_eq!(passes.len(), begin.len() + 4);
+        }
+    });
+}
+
+/// A history whose layers are written before and after a checkpoint; with one of them left out it has a gap.
+#[test]
+fn a_history_is_written_on_both_sides_of_a_checkpoint() {
+    isolated_device("a_history_is_written_on_both_sides_of_a_checkpoint", |gpu| {
+        let mut executor = Executor::new(gpu);
+        let value = |value| vk::ClearColorValue { uint32: [value, 0, 0, 0] };
+        for frame in 0..4 {
+            let mut graph = executor.graph("frame");
+            let shape = ImageShape::new_2d(vk::Format::R32_UINT, [4, 4]).layers(2);
+            let image = graph.history_image("image", shape, First::Color(value(99)));
+            let mut layers = graph.split_layers(image.next).into_iter();
+            let bytes = graph.buffer("bytes", 4);
+            let bytes = graph.fill("bytes", bytes, 5 + frame);
+            let _before = graph.clear("before", layers.next().unwrap(), value(10 * frame));
+            let read = graph.checkpoint::<u32>("read", &bytes);
+            if frame < 3 {
+                let _after = graph.clear("after", layers.next().unwrap(), value(10 * frame + 1));
+            }
+            graph.capture("previous", &image.previous);
+            if frame == 3 {
+                let said = graph.compile(gpu).unwrap_err().to_string();
+                assert!(said.contains("resource `image`: is written in part"), "{said}");
+                continue;
+            }
+            let executed = run(&mut executor, gpu, graph);
+            assert_eq!(read.values().unwrap(), [5 + frame]);
+            let found: Vec<u32> = executed.capture("previous").unwrap().texels().unwrap();
+            let wanted = if frame == 0 { [99, 99] } else { [10 * frame - 10, 10 * frame - 9] };
+            assert_eq!(found, wanted.map(|value| [value; 16]).concat(), "frame {frame}");
         }
     });
 }

@@ -300,5 +300,21 @@ fn misused_passes_are_errors() {
             assert!(said.iter().any(|known| known == line), "{line}\n{said:#?}");
         }
         assert!(said.iter().any(|known| known.starts_with("pass `wrong format`, slot `color`, resource `float`: ")));
+
+        // What the device does not do with a format.
+        let format = vk::Format::E5B9G9R9_UFLOAT_PACK32;
+        if gpu.image_usages(format).contains(vk::ImageUsageFlags::COLOR_ATTACHMENT) {
+            return skip(&format!("{} draws to every format", gpu.caps().device));
+        }
+        let mut graph = executor.graph("formats");
+        let target = graph.image("target", ImageShape::new_2d(format, [4, 4]));
+        let mut pass = graph.raster("draw", vec![triangle().0]);
+        let target = pass.color(slot, target, Load::Clear([0.0; 4]));
+        pass.draw(|_| Ok(()));
+        graph.capture("target", &target);
+        let said = errors(&graph);
+        let wanted = "pass `draw`, slot `color`, resource `target`: the device does not allow COLOR_ATTACHMENT for format \
+                      E5B9G9R9_UFLOAT_PACK32; it allows ";
+        assert!(said.iter().any(|known| known.starts_with(wanted)), "{said:#?}");
     });
 }

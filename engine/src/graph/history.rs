@@ -13,7 +13,7 @@ use super::description::{Access, ImageShape, Origin, Queue, Range, ResourceId, S
 use super::errors::{ErrorKind, GraphError};
 use super::handle::{BufferHandle, Handle, ImageHandle};
 use super::pass::Work;
-use super::plan::Plan;
+use super::plan::{Plan, held_at_the_end};
 
 /// What the last frame left, and what this one leaves for the next one.
 #[derive(Debug)]
@@ -170,7 +170,11 @@ impl Graph<'_> {
     /// Histories that the plan would leave written in part.
     pub(super) fn written_in_part(&self, plan: &Plan) -> Vec<GraphError> {
         let partly = self.histories.iter().filter(|declared| {
-            let held = held(plan, declared.resources[1]);
+            // A plan knows of its segment alone.
+            let held = match self.description.checkpoints.is_empty() {
+                true => amount_held(&ends(plan, declared.resources[1])),
+                false => held_at_the_end(&self.description, declared.resources[1]),
+            };
             0 < held && held < declared.shape.whole().amount()
         });
         let wrong = |declared: &Declared| {
@@ -206,11 +210,6 @@ fn previous_name(key: &str) -> String {
 
 fn ends(plan: &Plan, resource: ResourceId) -> Vec<State> {
     plan.ends.iter().filter(|end| end.resource == resource).map(|end| end.state).collect()
-}
-
-/// How much of a resource holds something after the plan.
-fn held(plan: &Plan, resource: ResourceId) -> u64 {
-    amount_held(&ends(plan, resource))
 }
 
 fn all_held(shape: &Shape, states: &[State]) -> bool {

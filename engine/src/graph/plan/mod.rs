@@ -26,6 +26,7 @@ pub use output::{
 };
 pub use reason::{CullReason, Hazard, Reason};
 pub use segments::{Segment, segment};
+pub(super) use versions::held_at_the_end;
 
 use std::collections::HashMap;
 

@@ -23,6 +23,17 @@ fn arrival(description: &Description, cells: &Cells) -> HashMap<u32, State> {
     arrival
 }
 
+/// How much of a resource that is needed after the frame holds something then: as [`super::Plan::ends`] tells it, over
+/// all segments of a frame that is right.
+pub(in crate::graph) fn held_at_the_end(description: &Description, resource: ResourceId) -> u64 {
+    let versions = Versions::new(description, vec![false; description.versions.len()]);
+    let last = last_of_needed(description).into_iter().map(|version| version.0 as usize);
+    let mine = last.filter(|&version| description.versions[version].resource == resource);
+    let held = mine.flat_map(|version| versions.cells.slots(version)).filter(|&slot| versions.defined[slot]);
+    let cells = held.map(|slot| versions.cells.cell(slot));
+    cells.flat_map(|cell| versions.cells.ranges(&[cell])).map(|range| range.amount()).sum()
+}
+
 /// Versions of what is needed after the plan that no other version is made from.
 pub(super) fn last_of_needed(description: &Description) -> Vec<VersionId> {
     let needed = |resource: ResourceId| {
