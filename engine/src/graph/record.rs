@@ -187,11 +187,15 @@ pub(super) fn end_rendering(device: &ash::Device, commands: &Commands) {
     unsafe { device.cmd_end_rendering(commands.raw()) }
 }
 
+/// The compute pipeline that is bound: passes in a row that run the same one bind it once.
+#[derive(Default)]
+pub(super) struct BoundCompute(vk::Pipeline);
+
 /// One dispatch: of `groups` workgroups, or of as many as `indirect` says.
 pub(super) fn dispatch(
     device: &ash::Device,
     commands: &Commands,
-    ready: &Ready,
+    (ready, bound): (&Ready, &mut BoundCompute),
     push_bytes: &[u8],
     groups: [u32; 3],
     indirect: Option<(&Buffer, u64)>,
@@ -199,7 +203,10 @@ pub(super) fn dispatch(
     let compute = vk::PipelineBindPoint::COMPUTE;
     // SAFETY: see the module.
     unsafe {
-        device.cmd_bind_pipeline(commands.raw(), compute, ready.pipeline.raw());
+        if bound.0 != ready.pipeline.raw() {
+            bound.0 = ready.pipeline.raw();
+            device.cmd_bind_pipeline(commands.raw(), compute, bound.0);
+        }
         if ready.set != vk::DescriptorSet::null() {
             let layout = ready.pipeline.layout();
             device.cmd_bind_descriptor_sets(commands.raw(), compute, layout, 0, &[ready.set], &[]);

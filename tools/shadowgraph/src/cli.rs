@@ -200,6 +200,7 @@ pub struct InfoArguments {
 Benchmarks:
   capture  whole captures, each in a process of its own: process start, device, loading, first-draw
            compilation, rendering, read-back, writing; cold (no compiled shaders on disk) and warm
+  graph    chains and trees of 10 to 10 000 small passes: describing, planning, recording, memory
   write    writing of captures, by compression; needs no device
 
 Examples:
@@ -228,6 +229,8 @@ pub struct BenchArguments {
 pub enum BenchName {
     /// Whole captures.
     Capture,
+    /// What a pass costs on the host.
+    Graph,
     /// Writing files.
     Write,
 }

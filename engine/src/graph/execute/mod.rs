@@ -25,7 +25,7 @@ use super::builder::{External, Graph};
 use super::description::{Description, Origin, PassId, Range, Shape};
 use super::pass::{Bound, What, Work};
 use super::plan::{Plan, Segment, Usage, Work as Step};
-use super::record::{self, Batch, Ready};
+use super::record::{self, Batch, BoundCompute, Ready};
 use crate::gpu::{
     Buffer, BufferInfo, Descriptor, DescriptorArena, Gpu, Heap, Image, Memory, Requirements, SamplerInfo, ViewInfo,
 };
@@ -271,6 +271,7 @@ impl<'g> Executor<'g> {
         // 2. Commands.
         let device = self.gpu.raw();
         let mut commands = self.gpu.commands(&description.name)?;
+        let mut bound = BoundCompute::default();
         for (index, step) in steps.iter_mut().enumerate() {
             step.barriers.record(device, &commands);
             if self.serialize {
@@ -284,7 +285,7 @@ impl<'g> Executor<'g> {
                     }
                     let whole = PassId(*first_pass + *pass);
                     queries.begin(device, &commands, whole);
-                    run::run(device, &commands, work, programs, memory)?;
+                    run::run(device, &commands, work, (programs, &mut bound), memory)?;
                     queries.end(device, &commands, whole);
                 }
                 Task::ReadBack(root) => {

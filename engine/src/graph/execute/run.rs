@@ -7,7 +7,7 @@ use crate::gpu::{Commands, ViewInfo};
 use crate::graph::description::{Access, Range, ResourceId};
 use crate::graph::pass::{Attachment, Attachments, DrawFn, Groups, Work};
 use crate::graph::plan::Barriers;
-use crate::graph::record::{self, Batch, Ready, Recorder};
+use crate::graph::record::{self, Batch, BoundCompute, Ready, Recorder};
 use crate::{Error, Result};
 
 /// What a pass does.
@@ -15,17 +15,19 @@ pub(super) fn run(
     device: &ash::Device,
     commands: &Commands,
     work: &mut Work,
-    programs: &[Ready],
+    (programs, bound): (&[Ready], &mut BoundCompute),
     memory: &Resources,
 ) -> Result<()> {
     match work {
         Work::Compute { push, groups, .. } => {
             let Some(ready) = programs.first() else { return Ok(()) };
             match *groups {
-                Groups::Direct(groups) => record::dispatch(device, commands, ready, push.bytes(), groups, None),
+                Groups::Direct(groups) => {
+                    record::dispatch(device, commands, (ready, bound), push.bytes(), groups, None)
+                }
                 Groups::Indirect(resource, offset) => {
                     let indirect = memory.buffer(resource).map(|buffer| (buffer, offset));
-                    record::dispatch(device, commands, ready, push.bytes(), [0; 3], indirect);
+                    record::dispatch(device, commands, (ready, bound), push.bytes(), [0; 3], indirect);
                 }
             }
             Ok(())

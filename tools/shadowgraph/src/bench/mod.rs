@@ -1,6 +1,7 @@
 //! `bench`: measures how long things take.
 
 mod capture;
+mod graph;
 mod write;
 
 use std::time::Duration;
@@ -34,6 +35,7 @@ pub fn run(arguments: &BenchArguments) -> Result<()> {
         if arguments.name.is_none_or(|wanted| wanted == name) {
             match name {
                 BenchName::Capture => capture::run(arguments, &mut tell)?,
+                BenchName::Graph => graph::run(arguments, &mut tell)?,
                 BenchName::Write => write::run(arguments, &mut tell)?,
             }
         }
@@ -46,7 +48,7 @@ fn line(measurement: &Measurement, json: bool) -> Result<String> {
         return serde_json::to_string(measurement).map_err(Failure::failed);
     }
     let Measurement { bench, case, metric, value, unit } = measurement;
-    Ok(format!("{bench:<8} {case:<8} {metric:<24} {value:>10.3} {unit}"))
+    Ok(format!("{bench:<8} {case:<12} {metric:<24} {value:>10.3} {unit}"))
 }
 
 /// The middle one, or the mean of the two in the middle; 0 of nothing.
