@@ -65,7 +65,7 @@ pub struct Resource {
 }
 
 /// Image or buffer.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Shape {
     /// An image.
     Image(ImageShape),

@@ -7,6 +7,7 @@ mod resources;
 mod run;
 mod segments;
 mod timer;
+mod transients;
 
 use std::time::{Duration, Instant};
 
@@ -19,16 +20,15 @@ pub use timer::PassTime;
 
 use self::histories::Histories;
 use self::queries::Queries;
-use self::resources::{Resources, image_info};
+use self::resources::Resources;
 use self::timer::Timer;
+use self::transients::Transients;
 use super::builder::{External, Graph};
-use super::description::{Description, Origin, PassId, Range, Shape};
+use super::description::{Description, PassId, Range};
 use super::pass::{Bound, What, Work};
-use super::plan::{Plan, Segment, Usage, Work as Step};
+use super::plan::{Plan, Segment, Work as Step};
 use super::record::{self, Batch, BoundCompute, Ready};
-use crate::gpu::{
-    Buffer, BufferInfo, Descriptor, DescriptorArena, Gpu, Heap, Image, Memory, Requirements, SamplerInfo, ViewInfo,
-};
+use crate::gpu::{Buffer, BufferInfo, Descriptor, DescriptorArena, Gpu, Image, Memory, SamplerInfo, ViewInfo};
 use crate::shader::{Binding, BindingKind, Pipelines};
 use crate::{Error, Result};
 
@@ -39,7 +39,7 @@ pub struct Executor<'g> {
     gpu: &'g Gpu,
     pipelines: Pipelines,
     descriptors: DescriptorArena,
-    heaps: Vec<(Requirements, Heap)>,
+    transients: Transients,
     histories: Histories,
     serialize: bool,
     instruments: bool,
@@ -132,7 +132,7 @@ impl<'g> Executor<'g> {
             gpu,
             pipelines: Pipelines::default(),
             descriptors,
-            heaps: Vec::new(),
+            transients: Transients::default(),
             histories: Histories::default(),
             serialize: false,
             instruments: true,
@@ -234,7 +234,7 @@ impl<'g> Executor<'g> {
         let mut work: Vec<Option<Work>> = frame.work.by_ref().take(description.passes.len()).map(Some).collect();
 
         // 1. Memory that the plan placed.
-        self.memory(plan, &description, &mut frame.memory)?;
+        self.transients.make(self.gpu, plan, &description, self.instruments, &mut frame.memory)?;
         let (memory, arena) = (std::mem::take(&mut frame.memory), frame.arena.as_ref());
 
         // 2. Pipelines, descriptor sets and barriers, in the order of the plan.
@@ -326,53 +326,6 @@ impl<'g> Executor<'g> {
             let runs = plan.steps.iter().any(|step| step.work == Step::Pass(PassId(here)));
             runs.then(|| description.passes[here as usize].name.clone())
         })
-    }
-
-    /// Makes what is not there yet: transients where the plan placed them, and what is alive over a checkpoint.
-    fn memory(&mut self, plan: &Plan, description: &Description, resources: &mut Resources) -> Result<()> {
-        let mut heaps = Vec::with_capacity(plan.heaps.len());
-        for (index, heap) in plan.heaps.iter().enumerate() {
-            let wanted = Requirements { size: heap.size, alignment: heap.alignment, type_bits: heap.type_bits };
-            heaps.push(self.heap(index, wanted)?);
-        }
-        for (index, resource) in description.resources.iter().enumerate() {
-            if let (Origin::Kept { .. }, None, Some(usage)) =
-                (&resource.origin, &resources.0[index], plan.usages[index])
-            {
-                resources.0[index] = Some(resources::alone(self.gpu, resource, usage)?);
-            }
-        }
-        for placement in &plan.placements {
-            let resource = &description.resources[placement.resource.0 as usize];
-            let heap = &heaps[placement.heap];
-            let made = match (&resource.shape, plan.usages[placement.resource.0 as usize]) {
-                (Shape::Image(shape), Some(Usage::Image(usage))) => {
-                    let info = image_info(&resource.name, shape, usage);
-                    External::Image(self.gpu.place_image(heap, placement.offset, &info)?)
-                }
-                (&Shape::Buffer { size }, Some(Usage::Buffer(usage))) => {
-                    let info = BufferInfo { name: &resource.name, size, usage, memory: Memory::Device };
-                    External::Buffer(self.gpu.place_buffer(heap, placement.offset, &info)?)
-                }
-                _ => continue,
-            };
-            resources.0[placement.resource.0 as usize] = Some(made);
-        }
-        Ok(())
-    }
-
-    /// The heap kept for this place where it fits, else a new one.
-    fn heap(&mut self, index: usize, wanted: Requirements) -> Result<Heap> {
-        let fits = |kept: &Requirements| {
-            kept.size >= wanted.size && kept.alignment >= wanted.alignment && kept.type_bits == wanted.type_bits
-        };
-        if let Some((_, heap)) = self.heaps.get(index).filter(|(kept, _)| fits(kept)) {
-            return Ok(heap.clone());
-        }
-        self.heaps.truncate(index);
-        let heap = self.gpu.create_heap(&format!("transients {index}"), wanted, Memory::Device)?;
-        self.heaps.push((wanted, heap.clone()));
-        Ok(heap)
     }
 
     fn arena(&self, bytes: &[u8]) -> Result<Option<Buffer>> {
