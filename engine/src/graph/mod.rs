@@ -17,7 +17,7 @@ pub use builder::{Data, Graph};
 pub use checkpoint::Checkpoint;
 pub use description::ImageShape;
 pub use errors::{ErrorKind, GraphError, GraphErrors};
-pub use execute::{Capture, Counts, Executed, Executor, PassCount, PassTime};
+pub use execute::{Capture, Counts, Executed, Executor, PassCount, PassTime, Prepared};
 pub use handle::{BufferHandle, Handle, ImageHandle};
 pub use history::{First, History};
 pub use pass::{ComputePass, Fits, Load, RasterPass, Unchanging};

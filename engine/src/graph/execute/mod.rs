@@ -25,7 +25,7 @@ use super::builder::{External, Graph};
 use super::description::{Description, Origin, PassId, Range, Shape};
 use super::pass::{Bound, What, Work};
 use super::plan::{Plan, Segment, Usage, Work as Step};
-use super::record::{self, Ready};
+use super::record::{self, Batch, Ready};
 use crate::gpu::{
     Buffer, BufferInfo, Descriptor, DescriptorArena, Gpu, Heap, Image, Memory, Requirements, SamplerInfo, ViewInfo,
 };
@@ -42,6 +42,35 @@ pub struct Executor<'g> {
     heaps: Vec<(Requirements, Heap)>,
     histories: Histories,
     serialize: bool,
+    instruments: bool,
+}
+
+/// A frame made ready to be run any number of times: see [`Executor::prepare`].
+///
+/// Frames of one executor share memory: none keeps anything from run to run but what it imports.
+pub struct Prepared<'f> {
+    description: Description,
+    steps: Vec<ReadyStep<'f>>,
+    finally: Batch,
+    memory: Resources,
+    descriptors: DescriptorArena,
+    timer: Timer,
+    queries: Queries,
+    /// Number of its first pass in the whole frame.
+    first_pass: u32,
+    /// Descriptor sets point into it.
+    _arena: Option<Buffer>,
+}
+
+/// One step with all that recording needs.
+struct ReadyStep<'f> {
+    barriers: Batch,
+    task: Task<'f>,
+}
+
+enum Task<'f> {
+    Pass { pass: u32, work: Work<'f>, programs: Vec<Ready> },
+    ReadBack(usize),
 }
 
 /// A frame that has run.
@@ -106,6 +135,7 @@ impl<'g> Executor<'g> {
             heaps: Vec::new(),
             histories: Histories::default(),
             serialize: false,
+            instruments: true,
         }
     }
 
@@ -120,6 +150,12 @@ impl<'g> Executor<'g> {
     /// shader is wrong.
     pub fn serialize(&mut self, on: bool) {
         self.serialize = on;
+    }
+
+    /// Whether passes get timestamps, debug labels, and the marks that name the last one should the device be lost. On
+    /// at the start; off, frames of many small passes record faster.
+    pub fn instruments(&mut self, on: bool) {
+        self.instruments = on;
     }
 
     /// Frees a history; the next frame that declares it is its first. Says whether there was one.
@@ -138,7 +174,7 @@ impl<'g> Executor<'g> {
         let arena = self.arena(&arena.bytes)?;
         let mut frame = Frame { work: work.into_iter(), memory: Resources(external), arena, queries, first_pass: 0 };
         if description.checkpoints.is_empty() {
-            let Ran { captures, passes, counts, recording, running } = self.run(&description, plan, &mut frame)?;
+            let Ran { captures, passes, counts, recording, running } = self.run_once(&description, plan, &mut frame)?;
             self.histories.keep(histories, plan, &frame.memory.0);
             let captures = captures.into_iter().flatten().collect();
             return Ok(Executed { captures, passes, counts, recording, running, later: Vec::new() });
@@ -146,75 +182,136 @@ impl<'g> Executor<'g> {
         self.execute_segments(description, plan, &mut frame, later, histories)
     }
 
-    /// Runs a frame, or a segment of one, and waits until the device is done.
-    fn run(&mut self, description: &Description, plan: &Plan, frame: &mut Frame) -> Result<Ran> {
+    /// Makes a frame ready to be run any number of times: pipelines, descriptor sets, memory and barriers are there
+    /// once, and [`Executor::run`] records. What changes from run to run comes from [`super::ComputePass::push_with`],
+    /// from the closures of raster passes, and from buffers and images that the frame imports.
+    ///
+    /// # Errors
+    /// As [`Executor::execute`]; [`Error::Invalid`] where the frame has histories or checkpoints: what follows from the
+    /// last frame, or from what the host reads, is not known before.
+    pub fn prepare<'f>(&mut self, plan: &Plan, graph: Graph<'f>) -> Result<Prepared<'f>> {
+        let Graph { description, work, external, arena, histories, queries, .. } = graph;
+        if !histories.is_empty() || !description.checkpoints.is_empty() {
+            let why = "has histories or checkpoints, which change from run to run; execute it anew each time";
+            return Err(Error::invalid(format!("graph `{}`", description.name), why));
+        }
+        let arena = self.arena(&arena.bytes)?;
+        let mut frame = Frame { work: work.into_iter(), memory: Resources(external), arena, queries, first_pass: 0 };
+        let descriptors = self.gpu.descriptor_arena(&description.name);
+        self.ready(description, plan, &mut frame, descriptors)
+    }
+
+    /// Records a frame that was prepared, runs it, and waits until the device is done.
+    ///
+    /// # Errors
+    /// As [`Executor::execute`].
+    pub fn run(&mut self, prepared: &mut Prepared) -> Result<Executed> {
+        let Ran { captures, passes, counts, recording, running } = self.record_and_wait(prepared)?;
+        let captures = captures.into_iter().flatten().collect();
+        Ok(Executed { captures, passes, counts, recording, running, later: Vec::new() })
+    }
+
+    /// Runs a frame, or a segment of one, once.
+    fn run_once(&mut self, description: &Description, plan: &Plan, frame: &mut Frame) -> Result<Ran> {
         let start = Instant::now();
+        let mut descriptors = std::mem::replace(&mut self.descriptors, self.gpu.descriptor_arena("passes"));
+        descriptors.reset();
+        let mut prepared = self.ready(description.clone(), plan, frame, descriptors)?;
+        let readying = start.elapsed();
+        let ran = self.record_and_wait(&mut prepared)?;
+        (self.descriptors, frame.memory) = (prepared.descriptors, prepared.memory);
+        Ok(Ran { recording: ran.recording + readying, ..ran })
+    }
+
+    /// Everything but recording.
+    fn ready<'f>(
+        &mut self,
+        description: Description,
+        plan: &Plan,
+        frame: &mut Frame<'f>,
+        mut descriptors: DescriptorArena,
+    ) -> Result<Prepared<'f>> {
         let mut work: Vec<Option<Work>> = frame.work.by_ref().take(description.passes.len()).map(Some).collect();
 
-        // 1. Memory: what the plan placed, what the host reads back.
-        self.memory(plan, description, &mut frame.memory)?;
-        let (memory, arena) = (&frame.memory, frame.arena.as_ref());
-        let captures = self.capture_buffers(description)?;
+        // 1. Memory that the plan placed.
+        self.memory(plan, &description, &mut frame.memory)?;
+        let (memory, arena) = (std::mem::take(&mut frame.memory), frame.arena.as_ref());
 
-        // 2. Pipelines and descriptor sets.
-        self.descriptors.reset();
-        let mut ready = Vec::with_capacity(work.len());
+        // 2. Pipelines, descriptor sets and barriers, in the order of the plan.
+        let mut steps = Vec::with_capacity(plan.steps.len());
         for step in &plan.steps {
-            if let Step::Pass(PassId(pass)) = step.work {
-                let name = &description.passes[pass as usize].name;
-                if let Some(work) = &work[pass as usize] {
-                    ready.push((pass, self.prepare(name, work, memory, arena)?));
+            let task = match step.work {
+                Step::Pass(PassId(pass)) => {
+                    let Some(work) = work[pass as usize].take() else { continue };
+                    let name = &description.passes[pass as usize].name;
+                    let programs = self.prepare_pass(name, &work, &memory, arena, &mut descriptors)?;
+                    Task::Pass { pass, work, programs }
                 }
-            }
+                Step::ReadBack(root) => Task::ReadBack(root),
+            };
+            steps.push(ReadyStep { barriers: run::batch(&step.barriers, &memory), task });
         }
-
-        // 3. Commands, in the order of the plan.
-        let device = self.gpu.raw();
-        let mut commands = self.gpu.commands(&description.name)?;
-        let timer = Timer::new(self.gpu, plan.steps.len())?;
-        let queries = self.queries(plan, description, frame)?;
+        let timer = if self.instruments { Timer::new(self.gpu, steps.len())? } else { Timer::default() };
+        let queries = self.queries(plan, &description, frame)?;
         let first_pass = frame.first_pass;
         frame.first_pass += description.passes.len() as u32;
-        let mut ready = ready.into_iter();
-        let mut names = Vec::with_capacity(plan.steps.len());
-        for (index, step) in plan.steps.iter().enumerate() {
-            run::batch(&step.barriers, memory).record(device, &commands);
+        let finally = run::batch(&plan.finally, &memory);
+        let arena = frame.arena.clone();
+        Ok(Prepared { description, steps, finally, memory, descriptors, timer, queries, first_pass, _arena: arena })
+    }
+
+    fn record_and_wait(&mut self, prepared: &mut Prepared) -> Result<Ran> {
+        // 1. Host buffers for what is read back; queries begin anew.
+        let start = Instant::now();
+        let Prepared { description, steps, finally, memory, timer, queries, first_pass, .. } = prepared;
+        let captures = self.capture_buffers(description)?;
+        timer.reset();
+        queries.reset();
+
+        // 2. Commands.
+        let device = self.gpu.raw();
+        let mut commands = self.gpu.commands(&description.name)?;
+        for (index, step) in steps.iter_mut().enumerate() {
+            step.barriers.record(device, &commands);
             if self.serialize {
                 record::full_barrier(device, &commands);
             }
             timer.mark(device, &commands, 2 * index);
-            match step.work {
-                Step::Pass(PassId(pass)) => {
-                    let name = &description.passes[pass as usize].name;
-                    commands.begin_pass(name);
-                    if let (Some(work), Some((_, programs))) = (work[pass as usize].take(), ready.next()) {
-                        let whole = PassId(first_pass + pass);
-                        queries.begin(device, &commands, whole);
-                        run::run(device, &commands, work, &programs, memory)?;
-                        queries.end(device, &commands, whole);
+            match &mut step.task {
+                Task::Pass { pass, work, programs } => {
+                    if self.instruments {
+                        commands.begin_pass(&description.passes[*pass as usize].name);
                     }
-                    commands.end_pass();
-                    names.push(name.clone());
+                    let whole = PassId(*first_pass + *pass);
+                    queries.begin(device, &commands, whole);
+                    run::run(device, &commands, work, programs, memory)?;
+                    queries.end(device, &commands, whole);
                 }
-                Step::ReadBack(root) => {
-                    let name = &description.roots[root].name;
-                    commands.begin_pass(&format!("read back {name}"));
-                    capture::read_back(device, &commands, description, root, memory, captures[root].as_ref());
-                    commands.end_pass();
-                    names.push(format!("read back {name}"));
+                Task::ReadBack(root) => {
+                    if self.instruments {
+                        commands.begin_pass(&format!("read back {}", description.roots[*root].name));
+                    }
+                    capture::read_back(device, &commands, description, *root, memory, captures[*root].as_ref());
                 }
+            }
+            if self.instruments {
+                commands.end_pass();
             }
             timer.mark(device, &commands, 2 * index + 1);
         }
-        run::batch(&plan.finally, memory).record(device, &commands);
+        finally.record(device, &commands);
 
-        // 4. Run, and wait.
+        // 3. Run, and wait.
         let recording = start.elapsed();
         let submitted = Instant::now();
         let token = self.gpu.submit(commands)?;
         self.gpu.wait(token)?;
         let running = submitted.elapsed();
-        let passes = timer.times(names)?;
+        let name = |step: &ReadyStep| match step.task {
+            Task::Pass { pass, .. } => description.passes[pass as usize].name.clone(),
+            Task::ReadBack(root) => format!("read back {}", description.roots[root].name),
+        };
+        let passes = timer.times(|index| steps.get(index).map(name).unwrap_or_default())?;
         Ok(Ran { captures, passes, counts: queries.counts()?, recording, running })
     }
 
@@ -295,7 +392,14 @@ impl<'g> Executor<'g> {
     }
 
     /// Pipelines of a pass's programs, each with its set 0.
-    fn prepare(&mut self, pass: &str, work: &Work, memory: &Resources, arena: Option<&Buffer>) -> Result<Vec<Ready>> {
+    fn prepare_pass(
+        &self,
+        pass: &str,
+        work: &Work,
+        memory: &Resources,
+        arena: Option<&Buffer>,
+        sets: &mut DescriptorArena,
+    ) -> Result<Vec<Ready>> {
         let (pipelines, bound) = match work {
             Work::Compute { shader, constants, bound, .. } => {
                 (vec![self.pipelines.compute(self.gpu, shader, constants)?], bound)
@@ -318,7 +422,7 @@ impl<'g> Executor<'g> {
             }
             let set = match descriptors.is_empty() {
                 true => vk::DescriptorSet::null(),
-                false => self.descriptors.set(&pipeline, 0, &descriptors)?,
+                false => sets.set(&pipeline, 0, &descriptors)?,
             };
             ready.push(Ready { pipeline, set });
         }

@@ -54,6 +54,10 @@ impl Queries {
         Ok(Self { pools })
     }
 
+    pub(super) fn reset(&self) {
+        self.pools.iter().for_each(|(.., pool)| pool.reset());
+    }
+
     pub(super) fn begin(&self, device: &ash::Device, commands: &Commands, pass: PassId) {
         for (asked, _, pool) in self.pools.iter().filter(|(asked, ..)| asked.pass == pass) {
             record::begin_query(device, commands, pool, asked.kind == QueryKind::Occlusion);
@@ -67,8 +71,8 @@ impl Queries {
     }
 
     /// Once the device is done.
-    pub(super) fn counts(self) -> Result<Vec<PassCount>> {
-        let count = |(asked, pass, pool): (Asked, String, QueryPool)| {
+    pub(super) fn counts(&self) -> Result<Vec<PassCount>> {
+        let count = |(asked, pass, pool): &(Asked, String, QueryPool)| {
             let values = pool.results()?.into_iter().next().flatten().unwrap_or_default();
             let counts = match asked.kind {
                 QueryKind::Statistics(counters) => {
@@ -77,9 +81,9 @@ impl Queries {
                 }
                 _ => Counts::Samples(values.first().copied().unwrap_or(0)),
             };
-            Ok(PassCount { pass, counts })
+            Ok(PassCount { pass: pass.clone(), counts })
         };
-        self.pools.into_iter().map(count).collect()
+        self.pools.iter().map(count).collect()
     }
 }
 

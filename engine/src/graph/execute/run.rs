@@ -14,46 +14,46 @@ use crate::{Error, Result};
 pub(super) fn run(
     device: &ash::Device,
     commands: &Commands,
-    work: Work,
+    work: &mut Work,
     programs: &[Ready],
     memory: &Resources,
 ) -> Result<()> {
     match work {
         Work::Compute { push, groups, .. } => {
             let Some(ready) = programs.first() else { return Ok(()) };
-            match groups {
-                Groups::Direct(groups) => record::dispatch(device, commands, ready, &push, groups, None),
+            match *groups {
+                Groups::Direct(groups) => record::dispatch(device, commands, ready, push.bytes(), groups, None),
                 Groups::Indirect(resource, offset) => {
                     let indirect = memory.buffer(resource).map(|buffer| (buffer, offset));
-                    record::dispatch(device, commands, ready, &push, [0; 3], indirect);
+                    record::dispatch(device, commands, ready, push.bytes(), [0; 3], indirect);
                 }
             }
             Ok(())
         }
         Work::Raster { targets, attachments, draw, .. } => {
-            render(device, commands, &attachments, targets.view_mask, programs, draw, memory)
+            render(device, commands, attachments, targets.view_mask, programs, draw, memory)
         }
-        Work::Fill { resource, range: Range::Buffer([first, end]), value } => {
+        &mut Work::Fill { resource, range: Range::Buffer([first, end]), value } => {
             if let Some(buffer) = memory.buffer(resource) {
                 // A size that a checkpoint told may be less than the description's.
                 record::fill(device, commands, buffer, [first, end.min(buffer.size())], value);
             }
             Ok(())
         }
-        Work::Clear { resource, range, value } => {
+        &mut Work::Clear { resource, range, value } => {
             if let (Some(image), Some(range)) = (memory.image(resource), subresources(range)) {
                 record::clear(device, commands, image, range, value);
             }
             Ok(())
         }
-        Work::ClearDepth { resource, range, value } => {
+        &mut Work::ClearDepth { resource, range, value } => {
             if let (Some(image), Some(range)) = (memory.image(resource), subresources(range)) {
                 record::clear_depth(device, commands, image, range, value);
             }
             Ok(())
         }
         Work::Zero(parts) => {
-            parts.into_iter().for_each(|(resource, range)| zero(device, commands, memory, resource, range));
+            parts.iter().for_each(|&(resource, range)| zero(device, commands, memory, resource, range));
             Ok(())
         }
         Work::Fill { .. } => Ok(()),
@@ -81,7 +81,7 @@ fn render(
     attachments: &Attachments,
     view_mask: u32,
     programs: &[Ready],
-    draw: DrawFn,
+    draw: &mut DrawFn,
     memory: &Resources,
 ) -> Result<()> {
     let info = |attachment: &Attachment| -> Result<vk::RenderingAttachmentInfo<'static>> {

@@ -14,6 +14,7 @@ pub struct PassTime {
 }
 
 /// Two timestamps a step, where the device has them.
+#[derive(Default)]
 pub(super) struct Timer {
     pool: Option<QueryPool>,
 }
@@ -24,8 +25,11 @@ impl Timer {
             return Ok(Self { pool: None });
         }
         let pool = gpu.query_pool("pass times", QueryKind::Timestamp, 2 * steps as u32)?;
-        pool.reset();
         Ok(Self { pool: Some(pool) })
+    }
+
+    pub(super) fn reset(&self) {
+        self.pool.iter().for_each(QueryPool::reset);
     }
 
     pub(super) fn mark(&self, device: &ash::Device, commands: &Commands, index: usize) {
@@ -34,13 +38,13 @@ impl Timer {
         }
     }
 
-    pub(super) fn times(&self, names: Vec<String>) -> Result<Vec<PassTime>> {
+    pub(super) fn times(&self, name: impl Fn(usize) -> String) -> Result<Vec<PassTime>> {
         let Some(pool) = &self.pool else { return Ok(Vec::new()) };
         let marks = pool.nanoseconds()?;
-        let time = |(i, name): (usize, String)| {
-            let (start, end) = (marks.get(2 * i).copied().flatten()?, marks.get(2 * i + 1).copied().flatten()?);
-            Some(PassTime { name, seconds: (end - start).max(0.0) * 1e-9 })
+        let time = |(i, marks): (usize, &[Option<f64>])| match marks {
+            [Some(start), Some(end)] => Some(PassTime { name: name(i), seconds: (end - start).max(0.0) * 1e-9 }),
+            _ => None,
         };
-        Ok(names.into_iter().enumerate().filter_map(time).collect())
+        Ok(marks.chunks_exact(2).enumerate().filter_map(time).collect())
     }
 }

@@ -2,7 +2,7 @@
 
 use super::bind::{Fits, Unchanging, binding_methods};
 use super::collect::Collected;
-use super::{Groups, What, Work};
+use super::{Groups, Push, What, Work};
 use crate::gpu::{self, Image, SamplerInfo};
 use crate::graph::builder::{Data, Graph};
 use crate::graph::description::{Access, Queue};
@@ -16,20 +16,28 @@ pub struct ComputePass<'g, 'f> {
     collected: Collected,
     shader: &'static Shader,
     constants: Vec<(u32, gpu::Constant)>,
-    push: Vec<u8>,
+    push: Push<'f>,
 }
 
 impl<'g, 'f> ComputePass<'g, 'f> {
     pub(in crate::graph) fn new(graph: &'g mut Graph<'f>, name: String, shader: &'static Shader) -> Self {
         let collected = Collected::new(graph.next_pass(), name, [shader].into_iter());
-        Self { graph, collected, shader, constants: Vec::new(), push: Vec::new() }
+        Self { graph, collected, shader, constants: Vec::new(), push: Push::Bytes(Vec::new()) }
     }
 
     binding_methods!();
 
     /// Push constants.
     pub fn push<T: bytemuck::Pod>(&mut self, value: &T) -> &mut Self {
-        self.push = bytemuck::bytes_of(value).to_vec();
+        self.push = Push::Bytes(bytemuck::bytes_of(value).to_vec());
+        self
+    }
+
+    /// Push constants that are asked for each time the pass is recorded: they may change from run to run of a
+    /// [`crate::graph::Prepared`] frame.
+    pub fn push_with<T: bytemuck::Pod>(&mut self, mut value: impl FnMut() -> T + 'f) -> &mut Self {
+        let write = move |bytes: &mut [u8]| bytes.copy_from_slice(bytemuck::bytes_of(&value()));
+        self.push = Push::Asked(vec![0; size_of::<T>()], Box::new(write));
         self
     }
 
@@ -56,8 +64,8 @@ impl<'g, 'f> ComputePass<'g, 'f> {
     fn finish(self, groups: Groups) {
         let Self { graph, collected, shader, constants, push } = self;
         let expected = shader.push.map_or(0, |block| block.size as usize);
-        if push.len() != expected {
-            let wrong = format!("{} bytes are pushed", push.len());
+        if push.size() != expected {
+            let wrong = format!("{} bytes are pushed", push.size());
             let allowed = format!("{expected} bytes, as {} takes", shader.file);
             graph.mistake(Some(&collected.name), Some("push constants"), wrong, allowed);
         }

@@ -24,7 +24,7 @@ pub(in crate::graph) enum Work<'f> {
         shader: &'static Shader,
         constants: Vec<(u32, gpu::Constant)>,
         bound: Vec<Bound>,
-        push: Vec<u8>,
+        push: Push<'f>,
         groups: Groups,
     },
     Raster {
@@ -53,7 +53,32 @@ pub(in crate::graph) enum Work<'f> {
     Zero(Vec<(ResourceId, Range)>),
 }
 
-pub(in crate::graph) type DrawFn<'f> = Box<dyn FnOnce(&mut Recorder) -> Result<()> + 'f>;
+pub(in crate::graph) type DrawFn<'f> = Box<dyn FnMut(&mut Recorder) -> Result<()> + 'f>;
+
+/// Push constants of a dispatch.
+pub(in crate::graph) enum Push<'f> {
+    Bytes(Vec<u8>),
+    /// Written into the bytes each time the pass is recorded.
+    Asked(Vec<u8>, Box<dyn FnMut(&mut [u8]) + 'f>),
+}
+
+impl Push<'_> {
+    pub(in crate::graph) fn size(&self) -> usize {
+        match self {
+            Self::Bytes(bytes) | Self::Asked(bytes, _) => bytes.len(),
+        }
+    }
+
+    pub(in crate::graph) fn bytes(&mut self) -> &[u8] {
+        match self {
+            Self::Bytes(bytes) => bytes,
+            Self::Asked(bytes, ask) => {
+                ask(bytes);
+                bytes
+            }
+        }
+    }
+}
 
 /// Workgroups of a dispatch.
 pub(in crate::graph) enum Groups {

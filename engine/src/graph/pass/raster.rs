@@ -84,7 +84,7 @@ impl<'g, 'f> RasterPass<'g, 'f> {
     }
 
     /// Ends the description: `draw` records the draws when the frame is executed.
-    pub fn draw(self, draw: impl FnOnce(&mut Recorder) -> Result<()> + 'f) {
+    pub fn draw(self, draw: impl FnMut(&mut Recorder) -> Result<()> + 'f) {
         let Self { graph, collected, programs, targets, attachments } = self;
         let name = &collected.name;
         if attachments.size == [0; 2] {
