@@ -245,7 +245,7 @@ fn checkpoints_cut_between_passes() {
         ]
     );
     assert_eq!(
-        said(&|checkpoint| checkpoint.root = 1),
+        said(&|checkpoint| checkpoint.root = Some(1)),
         ["checkpoint `count` does not read anything made before it; it reads a root that is read back"]
     );
     assert_eq!(
