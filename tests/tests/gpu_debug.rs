@@ -112,6 +112,11 @@ fn passes_count_samples_and_invocations() {
                 Ok(())
             });
         }
+        // A buffer of as many words as samples were drawn.
+        let drawn = graph.checkpoint_samples("drawn", "twice");
+        let sized = graph.buffer_after(&drawn, "sized", |samples| 4 * samples[0]);
+        let sized = graph.fill("fill sized", sized, 9);
+        graph.capture("sized", &sized);
         let (from, to) = (graph.buffer("from", 400), graph.buffer("to", 400));
         let from = graph.fill("fill", from, 0);
         let counter = graph.checkpoint::<u32>("between", &from);
@@ -122,11 +127,28 @@ fn passes_count_samples_and_invocations() {
         pass.dispatch([100, 1, 1]);
         let executed = run(&mut executor, gpu, graph);
         assert_eq!(counter.values().unwrap().len(), 100);
+        assert_eq!(drawn.values().unwrap(), [2 * 16 * 8]);
+        assert_eq!(executed.capture("sized").unwrap().texels::<u32>().unwrap(), vec![9; 2 * 16 * 8]);
         assert_eq!(executed.samples("twice").unwrap(), 2 * 16 * 8);
         assert_eq!(executed.samples("never").unwrap(), 0);
         assert_eq!(executed.statistic("twice", Counter::INPUT_ASSEMBLY_VERTICES).unwrap(), 6);
         assert!(executed.statistic("twice", Counter::FRAGMENT_SHADER_INVOCATIONS).unwrap() >= 2 * 16 * 8);
         assert_eq!(executed.statistic("add", Counter::COMPUTE_SHADER_INVOCATIONS).unwrap(), 128);
+        let mut graph = executor.graph("switched off");
+        let target = graph.image("target", shape);
+        let mut pass = graph.raster("draw", vec![program.clone()]);
+        pass.count_samples();
+        let _target = pass.color(slot, target, Load::Clear([0.0; 4]));
+        pass.draw(|recorder| {
+            recorder.draw(0..3, 0..1);
+            Ok(())
+        });
+        graph.switch_off("draw").unwrap();
+        assert_eq!(run(&mut executor, gpu, graph).samples("draw").unwrap(), 0);
+        let mut graph = executor.graph("nobody counts");
+        let _drawn = graph.checkpoint_samples("drawn", "never");
+        let said = graph.compile(gpu).unwrap_err().to_string();
+        assert!(said.contains("pass `never`: counts no samples, or is not recorded yet"), "{said}");
         let said = executed.samples("add").unwrap_err().to_string();
         assert!(said.contains("samples of pass `add`: were not counted; these count: twice"), "{said}");
     });

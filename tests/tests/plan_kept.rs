@@ -6,7 +6,7 @@ mod plan_support;
 use ash::vk::{self, ImageAspectFlags as Aspects};
 use plan_support::{COMPUTE, FRAGMENT, expect};
 use shadowgraph::graph::description::{
-    Access, Checkpoint, Description, Origin, Queue, Range, ResourceId, Shape, State, VersionId,
+    Access, Checkpoint, Description, Origin, Queue, Range, ResourceId, Shape, Source, State, VersionId,
 };
 use shadowgraph::graph::plan::{Plan, Segment, Usage, plan, segment};
 use shadowgraph::graph::report::text;
@@ -186,6 +186,43 @@ fn what_follows_a_checkpoint_begins_where_the_rest_ended() {
     assert_eq!(usage, vk::BufferUsageFlags::STORAGE_BUFFER);
 }
 
+/// ```text
+/// clear ─┬─► first ──► [checkpoint]        ┌─► sum ──► [read-back]
+///        └────────────────────► second ────┘ joined
+/// ```
+#[test]
+fn unordered_writers_may_stand_on_both_sides_of_a_checkpoint() {
+    let mut draft = Draft::new("frame");
+    let (list, count, sum) = (draft.buffer("list", 64), draft.buffer("count", 16), draft.buffer("sum", 16));
+    let list = draft.pass("clear", GRAPHICS, |pass| pass.overwrite("it", list, Access::clear()));
+    let forks = draft.fork(list, 2);
+    let append = Access::storage_buffer_read_write(COMPUTE);
+    let (first, count) = draft.pass("first", GRAPHICS, |pass| {
+        (pass.write("list", forks[0], append), pass.overwrite("count", count, Access::storage_buffer_write(COMPUTE)))
+    });
+    draft.checkpoint("count", count);
+    let second = draft.pass("second", GRAPHICS, |pass| pass.write("list", forks[1], append));
+    let list = draft.join(&[first, second]);
+    let sum = draft.pass("sum", GRAPHICS, |pass| {
+        pass.read("list", list, Access::uniform(COMPUTE));
+        pass.overwrite("sum", sum, Access::storage_buffer_write(COMPUTE))
+    });
+    draft.capture("sum", sum);
+    let segments = segments(&draft.description, &MadeUpDevice::one_queue());
+    assert_eq!(
+        lines(&segments[1].description, &segments[1].plan)[..4],
+        [
+            "  `list`: COMPUTE_SHADER (SHADER_STORAGE_WRITE) -> COMPUTE_SHADER (SHADER_STORAGE_READ | SHADER_STORAGE_WRITE)",
+            "`second`",
+            "  `list`: COMPUTE_SHADER (SHADER_STORAGE_WRITE) -> COMPUTE_SHADER (UNIFORM_READ)",
+            "`sum`",
+        ]
+    );
+    // The version that is still to be written is a fork there too.
+    let source = |version: VersionId| &segments[1].description.versions[version.0 as usize].source;
+    assert_eq!([source(first), source(forks[1])], [&Source::Fork { of: VersionId(3) }; 2]);
+}
+
 #[test]
 fn checkpoints_cut_between_passes() {
     let device = MadeUpDevice::one_queue();
@@ -208,7 +245,7 @@ fn checkpoints_cut_between_passes() {
         ]
     );
     assert_eq!(
-        said(&|checkpoint| checkpoint.root = 1),
+        said(&|checkpoint| checkpoint.root = Some(1)),
         ["checkpoint `count` does not read anything made before it; it reads a root that is read back"]
     );
     assert_eq!(

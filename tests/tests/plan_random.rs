@@ -155,7 +155,7 @@ fn spoil(description: &mut Description, [what, which, how, value, _]: [u8; 5]) {
         14 => description.resources.truncate(resource),
         15 if how % 2 == 0 => description.checkpoints.push(Checkpoint {
             name: "spoilt".into(),
-            root,
+            root: Some(root).filter(|_| value % 8 > 0),
             passes: [pass, big as usize][usize::from(value % 2)],
             versions: [version, description.versions.len()][usize::from(value / 2 % 2)],
             resources: [resource, description.resources.len()][usize::from(value / 4 % 2)],

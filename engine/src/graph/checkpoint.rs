@@ -7,8 +7,9 @@ use std::sync::{Arc, OnceLock};
 
 use super::builder::{Data, Graph};
 use super::description::{self, Root, UNKNOWN_SIZE};
-use super::execute::Capture;
+use super::execute::{Capture, Executed};
 use super::handle::{BufferHandle, Handle};
+use crate::gpu::QueryKind;
 use crate::{Error, Result};
 
 /// A place in the frame where the host reads values of type `T`.
@@ -46,7 +47,8 @@ enum What<'f> {
     Bytes(Data, Follow<'f, Vec<u8>>),
 }
 
-type Tell = Box<dyn FnOnce(&Capture) -> Result<()>>;
+/// From what ran so far, and from the bytes that are asked for.
+type Tell = Box<dyn FnOnce(&Executed, Option<&Capture>) -> Result<()>>;
 type Follow<'f, T> = Box<dyn FnOnce() -> Result<T> + 'f>;
 
 impl<'f> Graph<'f> {
@@ -54,14 +56,38 @@ impl<'f> Graph<'f> {
     /// Everything recorded before has run by then, and runs once. Handles stay as they are.
     pub fn checkpoint<T: bytemuck::Pod>(&mut self, name: impl Into<String>, handle: &impl Handle) -> Checkpoint<T> {
         let name = name.into();
-        let index = self.description.checkpoints.len();
-        let root = self.description.roots.len();
         self.check_owner(&name, handle);
+        let root = self.description.roots.len();
         self.description.roots.push(Root {
             name: format!("checkpoint {name}"),
             version: handle.version(),
             read_back: true,
         });
+        let nothing = Error::invalid(format!("checkpoint `{name}`"), "has nothing to read");
+        self.cut_here(name, Some(root), |_, capture| capture.ok_or(nothing)?.texels::<T>())
+    }
+
+    /// As [`Graph::checkpoint`]; the host reads how many samples passed all tests in a pass recorded before, which
+    /// counts them ([`super::RasterPass::count_samples`]): one value.
+    pub fn checkpoint_samples(&mut self, name: impl Into<String>, pass: &str) -> Checkpoint<u64> {
+        let counts = self.queries.iter().filter(|asked| asked.kind == QueryKind::Occlusion);
+        let mut names = counts.map(|asked| self.description.passes[asked.pass.0 as usize].name.as_str());
+        if !names.any(|known| known == pass) {
+            let wrong = "counts no samples, or is not recorded yet".into();
+            self.mistake(Some(pass), None, wrong, "a pass before, with `count_samples`".into());
+        }
+        let pass = pass.to_owned();
+        self.cut_here(name.into(), None, move |executed, _| Ok(vec![executed.samples(&pass)?]))
+    }
+
+    /// A checkpoint behind all that is recorded so far; `read` gives its values.
+    fn cut_here<T: 'static>(
+        &mut self,
+        name: String,
+        root: Option<usize>,
+        read: impl FnOnce(&Executed, Option<&Capture>) -> Result<Vec<T>> + 'static,
+    ) -> Checkpoint<T> {
+        let index = self.description.checkpoints.len();
         self.description.checkpoints.push(description::Checkpoint {
             name: name.clone(),
             root,
@@ -71,9 +97,9 @@ impl<'f> Graph<'f> {
         });
         let values = Arc::new(OnceLock::new());
         let told = values.clone();
-        let tell = move |capture: &Capture| {
+        let tell = move |executed: &Executed, capture: Option<&Capture>| {
             // Each checkpoint is reached once.
-            let _ = told.set(capture.texels::<T>()?);
+            let _ = told.set(read(executed, capture)?);
             Ok(())
         };
         self.later.push(Later { checkpoint: index, what: What::Values(Box::new(tell)) });
@@ -122,7 +148,8 @@ impl<'f> Graph<'f> {
 pub(super) fn reach(
     later: &mut Vec<Later>,
     checkpoint: usize,
-    capture: &Capture,
+    executed: &Executed,
+    capture: Option<&Capture>,
     description: &mut description::Description,
     mut write: impl FnMut(u64, &[u8]) -> Result<()>,
 ) -> Result<()> {
@@ -131,7 +158,7 @@ pub(super) fn reach(
     let now: Vec<Later> = now;
     for Later { what, .. } in now {
         match what {
-            What::Values(tell) => tell(capture)?,
+            What::Values(tell) => tell(executed, capture)?,
             What::Size(resource, size) => description.set_size(resource, size()?.max(4)),
             What::Bytes(data, bytes) => write(data.offset, &bytes()?)?,
         }

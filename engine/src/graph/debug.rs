@@ -7,7 +7,7 @@ use crate::{Error, Result};
 
 impl Graph<'_> {
     /// Switches a pass off. What it would have written anew is zero (depth 0, far away), what it would have written
-    /// over stays as it was, and it reads nothing.
+    /// over stays as it was, what it counts is 0, and it reads nothing.
     ///
     /// # Errors
     /// [`Error::Invalid`] where no pass has that name, with the names that there are.
@@ -28,7 +28,6 @@ impl Graph<'_> {
         pass.queue = Queue::Graphics;
         pass.side_effect = Some("it is switched off".into());
         self.work[index] = Work::Zero(zero);
-        self.queries.retain(|asked| asked.pass.0 as usize != index);
         Ok(())
     }
 

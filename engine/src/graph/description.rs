@@ -23,13 +23,13 @@ pub struct Description {
     pub checkpoints: Vec<Checkpoint>,
 }
 
-/// Where the host reads a root before anything that was recorded later runs.
+/// Where the host reads a root, or counts of passes, before anything that was recorded later runs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Checkpoint {
     /// For messages.
     pub name: String,
-    /// Index into [`Description::roots`] of what is read: a read-back.
-    pub root: usize,
+    /// Index into [`Description::roots`] of what is read, a read-back; `None`: what passes before it have counted.
+    pub root: Option<usize>,
     /// Passes recorded before it.
     pub passes: usize,
     /// Versions made before it.

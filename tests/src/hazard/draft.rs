@@ -98,7 +98,7 @@ impl Draft {
         self.capture(&format!("checkpoint {name}"), version);
         self.description.checkpoints.push(Checkpoint {
             name: name.into(),
-            root,
+            root: Some(root),
             passes: self.description.passes.len(),
             versions: self.description.versions.len(),
             resources: self.description.resources.len(),

@@ -1,11 +1,11 @@
 //! Running a frame with checkpoints, a segment at a time.
 
 use super::{Capture, Executed, Executor, Frame, Ran};
+use crate::Result;
 use crate::graph::checkpoint::{self, Later};
 use crate::graph::description::Description;
 use crate::graph::history::Declared;
 use crate::graph::plan::{Plan, segment};
-use crate::{Error, Result};
 
 impl Executor<'_> {
     /// `plan`: of the first segment.
@@ -38,11 +38,10 @@ impl Executor<'_> {
 
             // 3. Read what the checkpoint asks for: sizes and bytes follow from it.
             if let Some(at) = whole.checkpoints.get(index) {
-                let nothing = || Error::invalid(format!("checkpoint `{}`", at.name), "has nothing to read");
-                let capture = captures[at.root].take().ok_or_else(nothing)?;
+                let capture = at.root.and_then(|root| captures[root].take());
                 let arena = frame.arena.as_ref();
                 let write = |offset, bytes: &[u8]| arena.map_or(Ok(()), |arena| arena.write(offset, bytes));
-                checkpoint::reach(&mut later, index, &capture, &mut whole, write)?;
+                checkpoint::reach(&mut later, index, &executed, capture.as_ref(), &mut whole, write)?;
             }
 
             // 4. Hand on how it left its resources; what the frame leaves is what the last one leaves.

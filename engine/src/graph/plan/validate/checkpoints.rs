@@ -21,8 +21,9 @@ pub(super) fn check(errors: &mut Errors) {
             continue;
         }
         last = (passes, versions, resources);
-        let root = description.roots.get(checkpoint.root);
-        if !root.is_some_and(|root| root.read_back && (root.version.0 as usize) < versions) {
+        let root = checkpoint.root.map(|root| description.roots.get(root));
+        let is_before = root.is_none_or(|root| root.is_some_and(|r| r.read_back && (r.version.0 as usize) < versions));
+        if !is_before {
             add("does not read anything made before it".into(), "it reads a root that is read back");
         }
         let cut = description.passes.iter().enumerate().find(|(index, pass)| {
