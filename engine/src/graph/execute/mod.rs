@@ -68,6 +68,8 @@ struct ReadyStep<'f> {
     task: Task<'f>,
 }
 
+// Nearly all are passes: a box would only add a way to go.
+#[allow(clippy::large_enum_variant)]
 enum Task<'f> {
     Pass { pass: u32, work: Work<'f>, programs: Vec<Ready> },
     ReadBack(usize),

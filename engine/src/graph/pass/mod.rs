@@ -59,8 +59,10 @@ pub(in crate::graph) type DrawFn<'f> = Box<dyn FnMut(&mut Recorder) -> Result<()
 pub(in crate::graph) enum Push<'f> {
     Bytes(Vec<u8>),
     /// Written into the bytes each time the pass is recorded.
-    Asked(Vec<u8>, Box<dyn FnMut(&mut [u8]) + 'f>),
+    Asked(Vec<u8>, AskFn<'f>),
 }
+
+pub(in crate::graph) type AskFn<'f> = Box<dyn FnMut(&mut [u8]) + 'f>;
 
 impl Push<'_> {
     pub(in crate::graph) fn size(&self) -> usize {
