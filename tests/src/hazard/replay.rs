@@ -22,6 +22,8 @@ struct Replay<'a> {
     sharers: Vec<Vec<ResourceId>>,
     /// By root: the copy's record in host memory.
     copies: Vec<Option<Record>>,
+    /// How many writes there were.
+    writes: usize,
     errors: Vec<String>,
 }
 
@@ -34,6 +36,7 @@ pub fn check(description: &Description, plan: &Plan, device: &dyn DeviceModel) -
         sharers: memory::sharers(description, plan, device.granularity()),
         parts: (0..atoms.len()).map(|atom| arrival(description, &atoms, device, atom)).collect(),
         copies: vec![None; description.roots.len()],
+        writes: 0,
         description,
         plan,
         device,
@@ -161,10 +164,12 @@ impl Replay<'_> {
 
     /// A layout transition, or half of an ownership transfer.
     fn transition(&mut self, effect: &Effect, atom: usize, is_image: bool, before: &[Vec<Record>], all: &[Effect]) {
-        let made_available = |old: &Record, atom: usize| {
-            let for_it = |effect: &&Effect| effect.atoms.as_ref().is_none_or(|atoms| atoms.contains(&atom));
-            let mut effects = all.iter().filter(for_it);
-            effects.any(|effect| old.in_first_scope(&effect.scopes) && old.in_first_access_scope(&effect.scopes))
+        // Its own barrier speaks of its own image alone ("Image Memory Barriers"): what another resource wrote to the
+        // same memory is made available by a barrier for all memory. Synchronisation validation, though, looks for
+        // it in the transition's own barrier.
+        let for_all = |old: &Record| {
+            let mut barriers = all.iter().filter(|effect| effect.atoms.is_none());
+            barriers.any(|effect| old.in_first_scope(&effect.scopes) && old.in_first_access_scope(&effect.scopes))
         };
         let Effect { scopes, who, .. } = effect;
         let [from, to] = [scopes.from.layout, scopes.to.layout];
@@ -176,7 +181,10 @@ impl Replay<'_> {
             for (record, old) in self.parts[other].records.iter().zip(&before[other]) {
                 if !old.in_first_scope(scopes) {
                     wrong.push(format!("{who} does not wait for {} of {}", kind(record), record.who));
-                } else if record.writes() && !old.is_available_to(scopes) && !made_available(old, other) {
+                    continue;
+                }
+                let here = old.in_first_access_scope(scopes) && (other == atom || for_all(old));
+                if record.writes() && !old.is_available_to(scopes) && !here {
                     wrong.push(format!("{who} comes before what {} wrote is available", record.who));
                 }
             }
@@ -215,6 +223,8 @@ impl Replay<'_> {
             }
         }
         part.records = vec![Record::transition(who.clone(), scopes)];
+        self.writes += 1;
+        part.written = self.writes;
         self.errors.extend(wrong);
         self.clobber(resource);
     }
@@ -222,6 +232,18 @@ impl Replay<'_> {
     /// Parts of resources that share memory with one.
     fn shared(&self, resource: ResourceId) -> impl Iterator<Item = usize> {
         self.sharers[resource.0 as usize].iter().flat_map(|&other| self.atoms.all(other))
+    }
+
+    /// Whether a part was the last to be written, and was not read since, of those whose memory a resource takes over.
+    fn was_last(&self, part: usize, next: ResourceId) -> bool {
+        let old = self.atoms.resource(part);
+        let later = |other: usize| {
+            let resource = self.atoms.resource(other);
+            let between = resource != old && self.sharers[old.0 as usize].contains(&resource);
+            between && self.parts[other].written > self.parts[part].written
+        };
+        let read = self.parts[part].records.iter().any(|record| record.kind == Kind::Read);
+        !read && !self.shared(next).any(later)
     }
 
     /// Others lose what they held in memory that was written.
@@ -301,12 +323,14 @@ impl Replay<'_> {
                 wrong.push(format!("holds {:?}, not version {}", part.contents, used.version.0));
             }
             let read = part.records.iter().any(|record| record.kind == Kind::Read);
+            let writes_first = part.records.is_empty() && !used.access.writes().is_empty();
             for stage in each(single(used.access.stages)) {
                 let records = part.records.iter();
                 wrong.extend(records.filter_map(|record| conflict(record, used, fork, queue, stage, read)));
                 for other in self.shared(resource) {
+                    let next = writes_first && self.was_last(other, resource);
                     let records = self.parts[other].records.iter();
-                    wrong.extend(records.filter_map(|record| foreign_conflict(record, used, queue, stage)));
+                    wrong.extend(records.filter_map(|record| foreign_conflict(record, used, queue, stage, next)));
                 }
             }
             self.errors.extend(wrong.into_iter().map(|what| format!("{who}: `{name}` {what}")));
@@ -341,6 +365,8 @@ impl Replay<'_> {
                 None => (Kind::Read, used.access.mask),
             };
             if let Some(made) = used.makes {
+                self.writes += 1;
+                part.written = self.writes;
                 match (&mut part.contents, fork) {
                     (Contents::Written(known), Some(_))
                         if known.iter().all(|&other| forked_from(self.description, other) == fork) =>
@@ -382,9 +408,10 @@ impl Replay<'_> {
                     wrong.push(format!("`{name}` is left in layout {:?}, not {:?}", part.layout, after.layout));
                 }
                 let used = Use { slot: String::new(), version: VersionId(0), makes: None, reads: true, access: after };
+                let read = part.records.iter().any(|record| record.kind == Kind::Read);
                 for stage in each(single(after.stages)) {
                     let records = part.records.iter();
-                    let what = records.filter_map(|record| conflict(record, &used, None, Queue::Graphics, stage, true));
+                    let what = records.filter_map(|record| conflict(record, &used, None, Queue::Graphics, stage, read));
                     wrong.extend(what.map(|what| format!("`{name}` after the frame: {what}")));
                 }
             }

@@ -13,6 +13,7 @@ mod place;
 mod queues;
 mod reason;
 mod redundant;
+mod stages;
 mod usage;
 mod validate;
 mod versions;
@@ -31,7 +32,7 @@ use ash::vk::ImageLayout as Layout;
 use self::barriers::Context;
 use self::dependencies::{Dependencies, events};
 use self::history::History;
-use self::queues::Families;
+use self::queues::{Families, RoundTrip};
 use super::description::{Access, Description, Origin, Queue};
 use super::errors::{ErrorKind, GraphError, GraphErrors};
 
@@ -78,8 +79,9 @@ pub fn plan(description: &Description, device: &dyn DeviceModel) -> Result<Plan,
         lifetimes: &lifetimes,
         families,
     };
-    let pending = barriers::pending(&context, &placed);
-    let batches = queues::batches(&schedule, crossings, &context.takers(&pending));
+    let (pending, reliances) = barriers::pending(&context, &placed);
+    let mut batches = queues::batches(&schedule, crossings, &context.takers(&pending));
+    let trips = queues::narrow(&mut batches, &schedule, &reliances);
     let steps = (0..schedule.nodes.len())
         .map(|step| Step { work: schedule.work(step), queue: schedule.queues[step], barriers: Barriers::default() })
         .collect();
@@ -101,7 +103,7 @@ pub fn plan(description: &Description, device: &dyn DeviceModel) -> Result<Plan,
     };
     attach(&mut plan, &context, &pending);
     show_host(&mut plan);
-    drop_redundant(&mut plan);
+    drop_redundant(&mut plan, &trips);
     plan.statistics.count(&plan.steps, &plan.batches, &plan.finally, &plan.heaps);
     Ok(plan)
 }
@@ -168,17 +170,24 @@ fn show_host(plan: &mut Plan) {
 }
 
 /// Takes out dependencies that follow from others, queue by queue.
-fn drop_redundant(plan: &mut Plan) {
+fn drop_redundant(plan: &mut Plan, trips: &[RoundTrip]) {
     let mut places: HashMap<Work, (Queue, u32)> = HashMap::new();
     let mut ordered = [redundant::Ordered::default(), redundant::Ordered::default(), redundant::Ordered::default()];
     let mut counts = [0; 3];
-    for step in &mut plan.steps {
-        let queue = step.queue as usize;
-        if !step.barriers.is_empty() {
-            ordered[queue].filter(&mut step.barriers, counts[queue], |work| place(&places, step.queue, work));
+    let mut trips = trips.iter().peekable();
+    for (index, batch) in plan.batches.iter().enumerate() {
+        let queue = batch.queue as usize;
+        while let Some(trip) = trips.next_if(|trip| trip.batch == index) {
+            ordered[queue].wait(trip.stages, trip.steps);
         }
-        counts[queue] += 1;
-        places.insert(step.work, (step.queue, counts[queue]));
+        for &step in &batch.steps {
+            let step = &mut plan.steps[step];
+            if !step.barriers.is_empty() {
+                ordered[queue].filter(&mut step.barriers, counts[queue], |work| place(&places, batch.queue, work));
+            }
+            counts[queue] += 1;
+            places.insert(step.work, (batch.queue, counts[queue]));
+        }
     }
     let graphics = Queue::Graphics;
     ordered[0].filter(&mut plan.finally, counts[0], |work| place(&places, graphics, work));
