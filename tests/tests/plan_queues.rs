@@ -58,11 +58,11 @@ fn compute_runs_beside_graphics() {
         &[
             "Graphics 1:",
             "    `depth`: UNDEFINED -> ATTACHMENT_OPTIMAL, nothing -> EARLY_FRAGMENT_TESTS | LATE_FRAGMENT_TESTS (DEPTH_STENCIL_ATTACHMENT_WRITE)",
+            "    `map`: UNDEFINED -> ATTACHMENT_OPTIMAL, nothing -> EARLY_FRAGMENT_TESTS | LATE_FRAGMENT_TESTS (DEPTH_STENCIL_ATTACHMENT_WRITE)",
             "  `gbuffer`",
             "  release",
             "    `depth`: ATTACHMENT_OPTIMAL -> READ_ONLY_OPTIMAL, EARLY_FRAGMENT_TESTS | LATE_FRAGMENT_TESTS (DEPTH_STENCIL_ATTACHMENT_WRITE) -> nothing, family 0 -> 1",
             "Graphics 2:",
-            "    `map`: UNDEFINED -> ATTACHMENT_OPTIMAL, nothing -> EARLY_FRAGMENT_TESTS | LATE_FRAGMENT_TESTS (DEPTH_STENCIL_ATTACHMENT_WRITE)",
             "  `shadow`",
             "Compute 1, waits for Graphics 1:",
             "    `depth`: ATTACHMENT_OPTIMAL -> READ_ONLY_OPTIMAL, COMPUTE_SHADER -> COMPUTE_SHADER (SHADER_SAMPLED_READ), family 0 -> 1",
@@ -93,9 +93,9 @@ fn one_family_needs_no_ownership() {
         &[
             "Graphics 1:",
             "    `depth`: UNDEFINED -> ATTACHMENT_OPTIMAL, nothing -> EARLY_FRAGMENT_TESTS | LATE_FRAGMENT_TESTS (DEPTH_STENCIL_ATTACHMENT_WRITE)",
+            "    `map`: UNDEFINED -> ATTACHMENT_OPTIMAL, nothing -> EARLY_FRAGMENT_TESTS | LATE_FRAGMENT_TESTS (DEPTH_STENCIL_ATTACHMENT_WRITE)",
             "  `gbuffer`",
             "Graphics 2:",
-            "    `map`: UNDEFINED -> ATTACHMENT_OPTIMAL, nothing -> EARLY_FRAGMENT_TESTS | LATE_FRAGMENT_TESTS (DEPTH_STENCIL_ATTACHMENT_WRITE)",
             "  `shadow`",
             "Compute 1, waits for Graphics 1:",
             "    `depth`: ATTACHMENT_OPTIMAL -> READ_ONLY_OPTIMAL, COMPUTE_SHADER -> COMPUTE_SHADER (SHADER_SAMPLED_READ)",

@@ -1,12 +1,14 @@
 //! From what a frame left on the device to what goes into files.
 
+use ash::vk;
 use serde::Serialize;
 
-use super::{Capture, Channel, HalfReport, Metadata, Part, Samples, unpack};
+use super::texels::unpack_component;
+use super::{Capture, Channel, HalfReport, Metadata, Part, Samples};
 use crate::frame::{Frame, Layer, Samples as Stored, Source};
 use crate::gpu::Caps;
-use crate::graph::Executed;
 use crate::graph::description::Shape;
+use crate::graph::{self, Executed};
 use crate::scene::{Camera, Scene, View, parallel};
 use crate::{Error, Result};
 
@@ -69,17 +71,12 @@ impl<S: Serialize + Sync> FrameCapture<'_, S> {
 
     /// Layers of one image.
     fn image(&self, (source, layers): &(&Source, Vec<&Layer>), executed: &Executed) -> Result<Image> {
-        let (size, planes) = planes(source, executed)?;
-        let components = planes.len();
-        let mut planes: Vec<Option<Samples>> = planes.into_iter().map(Some).collect();
+        let texels = Texels::of(source, executed)?;
         let mut image = Image::default();
         for layer in layers {
             let mut channels = Vec::with_capacity(layer.channels.len());
             for (name, component) in &layer.channels {
-                let plane = planes.get_mut(*component).and_then(Option::take).ok_or_else(|| {
-                    let why = format!("it is to be component {component} of {components}, or another channel is too");
-                    Error::invalid(format!("channel {name}"), why)
-                })?;
+                let plane = texels.component(*component)?;
                 let (samples, report) = self.stored(layer, name, plane);
                 if report != HalfReport::default() {
                     image.lost.push((name.clone(), report));
@@ -87,11 +84,12 @@ impl<S: Serialize + Sync> FrameCapture<'_, S> {
                 channels.push(Channel::new(name, samples));
             }
             if layer.own_part {
+                let size = texels.size;
                 image.parts.push(Part { name: layer.name.clone(), size, channels, ..Part::default() });
-            } else if size == self.view.size {
+            } else if texels.size == self.view.size {
                 image.of_frame.extend(channels);
             } else {
-                let why = format!("its size {size:?} is not the picture's");
+                let why = format!("its size {:?} is not the picture's", texels.size);
                 return Err(Error::invalid(format!("layer {}", layer.name), why));
             }
         }
@@ -149,12 +147,10 @@ pub fn picture(frame: &Frame, executed: &Executed) -> Result<Vec<[f32; 4]>> {
     let Some(layer) = frame.layers.iter().find(|layer| layer.name == "color") else {
         return Err(Error::invalid("the picture", "the layer `color` was not captured"));
     };
-    let (_, planes) = planes(&layer.source, executed)?;
-    let planes: Vec<Vec<f32>> = planes.into_iter().map(Samples::into_f32).collect();
-    let [red, green, blue, alpha] = &planes[..] else {
-        return Err(Error::invalid("the picture", format!("its image has {} components, not 4", planes.len())));
-    };
-    let pixels = red.iter().zip(green).zip(blue).zip(alpha);
+    let texels = Texels::of(&layer.source, executed)?;
+    let plane = |component| texels.component(component).map(Samples::into_f32);
+    let [red, green, blue, alpha] = [plane(0)?, plane(1)?, plane(2)?, plane(3)?];
+    let pixels = red.iter().zip(&green).zip(&blue).zip(&alpha);
     Ok(pixels.map(|(((&red, &green), &blue), &alpha)| [red, green, blue, alpha]).collect())
 }
 
@@ -178,12 +174,25 @@ fn images(frame: &Frame) -> Vec<(&Source, Vec<&Layer>)> {
     images
 }
 
-/// Size of a captured image, and its components.
-fn planes(source: &Source, executed: &Executed) -> Result<([u32; 2], Vec<Samples>)> {
-    let capture = executed.capture(&source.capture)?;
-    let Shape::Image(shape) = &capture.shape else {
-        return Err(Error::invalid(format!("capture `{}`", source.capture), "is a buffer, not an image"));
-    };
-    let planes = capture.layer(source.layer, |texels| unpack(shape.format, texels))??;
-    Ok(([shape.extent[0], shape.extent[1]], planes))
+/// A captured layer.
+struct Texels<'e> {
+    capture: &'e graph::Capture,
+    layer: u32,
+    format: vk::Format,
+    size: [u32; 2],
+}
+
+impl<'e> Texels<'e> {
+    fn of(source: &Source, executed: &'e Executed) -> Result<Self> {
+        let capture = executed.capture(&source.capture)?;
+        let Shape::Image(shape) = &capture.shape else {
+            return Err(Error::invalid(format!("capture `{}`", source.capture), "is a buffer, not an image"));
+        };
+        let size = [shape.extent[0], shape.extent[1]];
+        Ok(Self { capture, layer: source.layer, format: shape.format, size })
+    }
+
+    fn component(&self, component: usize) -> Result<Samples> {
+        self.capture.layer(self.layer, |texels| unpack_component(self.format, texels, component))?
+    }
 }

@@ -14,77 +14,76 @@ use crate::{Error, Result};
 /// # Errors
 /// [`Error::Invalid`] where the format is not one of these, or `bytes` is not a whole number of texels.
 pub fn unpack(format: vk::Format, bytes: &[u8]) -> Result<Vec<Samples>> {
+    (0..components(format)?).map(|component| unpack_component(format, bytes, component)).collect()
+}
+
+/// How many components a texel of a format has.
+pub(super) fn components(format: vk::Format) -> Result<usize> {
     use vk::Format as F;
+    match format {
+        F::R8_UNORM | F::R8_UINT | F::R16_UINT | F::R16_UNORM | F::D16_UNORM | F::R16_SFLOAT => Ok(1),
+        F::R32_UINT | F::R32_SFLOAT | F::D32_SFLOAT => Ok(1),
+        F::R8G8_UNORM | F::R16G16_SFLOAT | F::R32G32_UINT | F::R32G32_SFLOAT => Ok(2),
+        F::R8G8B8A8_UNORM | F::R8G8B8A8_SRGB => Ok(4),
+        F::R16G16B16A16_SFLOAT | F::R32G32B32A32_UINT | F::R32G32B32A32_SFLOAT => Ok(4),
+        _ => {
+            let why =
+                "captures know 8-bit unorm, sRGB and uint, 16-bit float, uint and depth, 32-bit float, uint and depth";
+            Err(Error::invalid(format!("format {format:?}"), why))
+        }
+    }
+}
+
+/// One component of texels, as [`unpack`] gives it.
+pub(super) fn unpack_component(format: vk::Format, bytes: &[u8], component: usize) -> Result<Samples> {
+    use vk::Format as F;
+    let wrong = || {
+        let why = format!("{} bytes are no whole number of texels with a component {component}", bytes.len());
+        Error::invalid(format!("texels of {format:?}"), why)
+    };
     let unorm8 = |byte: [u8; 1]| f32::from(byte[0]) / 255.0;
     let half: fn([u8; 2]) -> f16 = f16::from_le_bytes;
     let float: fn([u8; 4]) -> f32 = f32::from_le_bytes;
     let uint: fn([u8; 4]) -> u32 = u32::from_le_bytes;
     let short = |bytes| u32::from(u16::from_le_bytes(bytes));
-    let byte = |byte: [u8; 1]| u32::from(byte[0]);
-    let planes = match format {
-        F::R8_UNORM => planes(bytes, 1, unorm8).map(floats),
-        F::R8G8_UNORM => planes(bytes, 2, unorm8).map(floats),
-        F::R8G8B8A8_UNORM => planes(bytes, 4, unorm8).map(floats),
-        F::R8G8B8A8_SRGB => {
+    let samples = match format {
+        F::R8_UNORM => plane::<1, 1, _>(bytes, component, unorm8).map(Samples::F32),
+        F::R8G8_UNORM => plane::<1, 2, _>(bytes, component, unorm8).map(Samples::F32),
+        // Alpha is linear as it is.
+        F::R8G8B8A8_SRGB if component < 3 => {
             let linear: [f32; 256] = std::array::from_fn(|byte| from_srgb(byte as f32 / 255.0));
-            planes(bytes, 4, |byte: [u8; 1]| byte[0]).map(|planes| {
-                let decode = |(component, plane): (usize, Vec<u8>)| {
-                    // Alpha is linear as it is.
-                    let value = |byte: u8| if component < 3 { linear[usize::from(byte)] } else { unorm8([byte]) };
-                    plane.into_iter().map(value).collect()
-                };
-                floats(planes.into_iter().enumerate().map(decode).collect())
-            })
+            plane::<1, 4, _>(bytes, component, |[byte]| linear[usize::from(byte)]).map(Samples::F32)
         }
-        F::R8_UINT => planes(bytes, 1, byte).map(uints),
-        F::R16_UINT => planes(bytes, 1, short).map(uints),
+        F::R8G8B8A8_UNORM | F::R8G8B8A8_SRGB => plane::<1, 4, _>(bytes, component, unorm8).map(Samples::F32),
+        F::R8_UINT => plane::<1, 1, _>(bytes, component, |[byte]| u32::from(byte)).map(Samples::U32),
+        F::R16_UINT => plane::<2, 1, _>(bytes, component, short).map(Samples::U32),
         F::R16_UNORM | F::D16_UNORM => {
-            planes(bytes, 1, |bytes| f32::from(u16::from_le_bytes(bytes)) / 65535.0).map(floats)
+            plane::<2, 1, _>(bytes, component, |bytes| f32::from(u16::from_le_bytes(bytes)) / 65535.0).map(Samples::F32)
         }
-        F::R16_SFLOAT => planes(bytes, 1, half).map(halves),
-        F::R16G16_SFLOAT => planes(bytes, 2, half).map(halves),
-        F::R16G16B16A16_SFLOAT => planes(bytes, 4, half).map(halves),
-        F::R32_UINT => planes(bytes, 1, uint).map(uints),
-        F::R32G32_UINT => planes(bytes, 2, uint).map(uints),
-        F::R32G32B32A32_UINT => planes(bytes, 4, uint).map(uints),
-        F::R32_SFLOAT | F::D32_SFLOAT => planes(bytes, 1, float).map(floats),
-        F::R32G32_SFLOAT => planes(bytes, 2, float).map(floats),
-        F::R32G32B32A32_SFLOAT => planes(bytes, 4, float).map(floats),
-        _ => {
-            let why =
-                "captures know 8-bit unorm, sRGB and uint, 16-bit float, uint and depth, 32-bit float, uint and depth";
-            return Err(Error::invalid(format!("format {format:?}"), why));
-        }
+        F::R16_SFLOAT => plane::<2, 1, _>(bytes, component, half).map(Samples::F16),
+        F::R16G16_SFLOAT => plane::<2, 2, _>(bytes, component, half).map(Samples::F16),
+        F::R16G16B16A16_SFLOAT => plane::<2, 4, _>(bytes, component, half).map(Samples::F16),
+        F::R32_UINT => plane::<4, 1, _>(bytes, component, uint).map(Samples::U32),
+        F::R32G32_UINT => plane::<4, 2, _>(bytes, component, uint).map(Samples::U32),
+        F::R32G32B32A32_UINT => plane::<4, 4, _>(bytes, component, uint).map(Samples::U32),
+        F::R32_SFLOAT | F::D32_SFLOAT => plane::<4, 1, _>(bytes, component, float).map(Samples::F32),
+        F::R32G32_SFLOAT => plane::<4, 2, _>(bytes, component, float).map(Samples::F32),
+        F::R32G32B32A32_SFLOAT => plane::<4, 4, _>(bytes, component, float).map(Samples::F32),
+        _ => components(format).map(|_| None)?,
     };
-    planes.ok_or_else(|| {
-        Error::invalid(format!("texels of {format:?}"), format!("{} bytes are no whole number of texels", bytes.len()))
-    })
+    samples.ok_or_else(wrong)
 }
 
-/// One vector a component, or `None` where `bytes` does not divide into texels.
-fn planes<const N: usize, T: Copy>(
+/// One component of texels of `C` components with `N` bytes each, or `None` where `bytes` does not divide into them.
+fn plane<const N: usize, const C: usize, T>(
     bytes: &[u8],
-    components: usize,
+    component: usize,
     read: impl Fn([u8; N]) -> T,
-) -> Option<Vec<Vec<T>>> {
-    if !bytes.len().is_multiple_of(N * components) {
-        return None;
-    }
-    let (scalars, _) = bytes.as_chunks::<N>();
-    let plane = |component| scalars.iter().skip(component).step_by(components).map(|&scalar| read(scalar)).collect();
-    Some((0..components).map(plane).collect())
-}
-
-fn halves(planes: Vec<Vec<f16>>) -> Vec<Samples> {
-    planes.into_iter().map(Samples::F16).collect()
-}
-
-fn floats(planes: Vec<Vec<f32>>) -> Vec<Samples> {
-    planes.into_iter().map(Samples::F32).collect()
-}
-
-fn uints(planes: Vec<Vec<u32>>) -> Vec<Samples> {
-    planes.into_iter().map(Samples::U32).collect()
+) -> Option<Vec<T>> {
+    let (scalars, odd) = bytes.as_chunks::<N>();
+    let (texels, rest) = scalars.as_chunks::<C>();
+    let whole = odd.is_empty() && rest.is_empty() && component < C;
+    whole.then(|| texels.iter().map(|texel| read(texel[component])).collect())
 }
 
 /// IEC 61966-2-1.

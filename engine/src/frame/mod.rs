@@ -18,7 +18,7 @@ use crate::techniques::shadow::{Receivers, map_sampler};
 use crate::techniques::surface::depth::DepthPrepass;
 use crate::techniques::surface::gbuffer::{GBuffer, Precision, Surfaces};
 use crate::techniques::surface::position::Position;
-use crate::techniques::transparency::sorted::{ForwardLights, Sorted};
+use crate::techniques::transparency::sorted::{ForwardLights, ForwardShadow, Sorted};
 
 /// What a frame is made with.
 #[derive(Clone, Debug)]
@@ -88,8 +88,14 @@ impl FrameSettings {
         let lit = Lighting { environment: self.environment }.record(graph, scene, view, &input);
         let forward = ForwardLights {
             lights: &lights,
-            cascades: shadows.sun.as_ref().map(|sun| (&sun.parameters, &sun.map)),
-            spots: shadows.spots.as_ref().map(|spots| (&spots.parameters, &spots.maps)),
+            cascades: shadows.sun.as_ref().map(|sun| {
+                let SunShadow { map: maps, parameters, taps, .. } = sun;
+                ForwardShadow { parameters, maps, taps: *taps }
+            }),
+            spots: shadows.spots.as_ref().map(|spots| {
+                let SpotMaps { maps, parameters, taps } = spots;
+                ForwardShadow { parameters, maps, taps: *taps }
+            }),
             sampler: map_sampler(),
         };
         let color =
@@ -126,21 +132,25 @@ impl FrameSettings {
         }
         let shape = ImageShape::new_2d(vk::Format::R32_SFLOAT, self.view.size).layers(count);
         let masks = graph.image("shadow.masks", shape);
-        let mut layers = graph.split_layers(masks).into_iter();
-        let mut written = Vec::with_capacity(layers.len());
+        let blocks = [u32::from(sun.is_some()), spots.len() as u32];
+        let blocks: Vec<u32> = blocks.into_iter().filter(|&layers| layers > 0).collect();
+        let mut masks = graph.split_layer_blocks(masks, &blocks).into_iter();
+        let mut written = Vec::with_capacity(blocks.len());
         if let Some((_, direction)) = sun
-            && let Some(layer) = layers.next()
+            && let Some(mask) = masks.next()
         {
-            let cascaded = self.cascaded.record(graph, scene, receivers, direction, layer);
-            let CascadedShadow { mask, index, map, parameters } = cascaded;
+            let cascaded = self.cascaded.record(graph, scene, receivers, direction, mask);
+            let CascadedShadow { mask, index, map, parameters, taps } = cascaded;
             written.push(mask);
-            shadows.sun = Some(SunShadow { index, map, parameters });
+            shadows.sun = Some(SunShadow { index, map, parameters, taps });
         }
         let spot_lights: Vec<&Light> = spots.iter().map(|&i| &lights[i]).collect();
-        if let Some(spots) = self.spot.record(graph, scene, receivers, &spot_lights, layers.collect()) {
-            let SpotShadows { masks, maps, parameters } = spots;
-            written.extend(masks);
-            shadows.spots = Some(SpotMaps { maps, parameters });
+        if let Some(masks) = masks.next()
+            && let Some(spots) = self.spot.record(graph, scene, receivers, &spot_lights, masks)
+        {
+            let SpotShadows { masks, maps, parameters, taps } = spots;
+            written.push(masks);
+            shadows.spots = Some(SpotMaps { maps, parameters, taps });
         }
         shadows.masks = graph.join(written);
         shadows
@@ -161,11 +171,13 @@ struct SunShadow {
     index: ImageHandle,
     map: ImageHandle,
     parameters: blocks::Cascades,
+    taps: u32,
 }
 
 struct SpotMaps {
     maps: ImageHandle,
     parameters: blocks::SpotMaps,
+    taps: u32,
 }
 
 impl Shadows {

@@ -25,6 +25,18 @@ pub enum Constant {
     F32(f32),
 }
 
+macro_rules! constant_from {
+    ($($type:ty => $kind:ident),*) => {$(
+        impl From<$type> for Constant {
+            fn from(value: $type) -> Self {
+                Self::$kind(value)
+            }
+        }
+    )*};
+}
+
+constant_from!(bool => Bool, u32 => U32, i32 => I32, f32 => F32);
+
 impl Constant {
     /// As the 32 bits that Vulkan takes.
     fn bits(self) -> u32 {

@@ -37,8 +37,6 @@ struct Staging {
 /// An image that was written to.
 struct Touched {
     image: Image,
-    /// A level's layout.
-    layouts: Vec<vk::ImageLayout>,
     /// Level and layer of what was written since the last barrier.
     written: BTreeSet<(u32, u32)>,
 }
@@ -111,9 +109,6 @@ impl Uploader<'_> {
         let align = if format.block_bytes == 12 { 12 } else { u64::from(format.block_bytes.max(4)) };
         let (staging, from) = self.stage(bytes, align)?;
         let touched = self.touch(image)?;
-        if touched.layouts[mip as usize] != vk::ImageLayout::TRANSFER_DST_OPTIMAL {
-            return Err(image.invalid("its levels were generated already; upload first"));
-        }
         if !touched.written.insert((mip, layer)) {
             touched.written = [(mip, layer)].into();
             self.order_writes()?;
@@ -146,82 +141,6 @@ impl Uploader<'_> {
         Ok(())
     }
 
-    /// Fills mip levels 1 and up of every layer from level 0, each from the one before by a linear blit (sRGB is
-    /// averaged as light). Level 0 is to be uploaded before; the image was made with `TRANSFER_SRC` too.
-    ///
-    /// # Errors
-    /// [`crate::Error::Invalid`] where the format cannot be blitted with linear filter on this device.
-    pub fn generate_mips(&mut self, image: &Image) -> Result<()> {
-        use vk::FormatFeatureFlags as F;
-        let info = image.info();
-        if info.mips == 1 {
-            return Ok(());
-        }
-        let device = &self.gpu.device;
-        if !image.is_of(device)
-            || !info.usage.contains(vk::ImageUsageFlags::TRANSFER_DST | vk::ImageUsageFlags::TRANSFER_SRC)
-        {
-            return Err(image.invalid("to make its mip levels, it needs the usages TRANSFER_SRC and TRANSFER_DST"));
-        }
-        // SAFETY: a plain query.
-        let can = unsafe { device.instance.get_physical_device_format_properties(device.physical, info.format) };
-        let needs = F::BLIT_SRC | F::BLIT_DST | F::SAMPLED_IMAGE_FILTER_LINEAR;
-        if !can.optimal_tiling_features.contains(needs) {
-            return Err(
-                image.invalid(format!("{:?} cannot be blitted with a linear filter on this device", info.format))
-            );
-        }
-        let touched = self.touch(image)?;
-        if touched.layouts[0] != vk::ImageLayout::TRANSFER_DST_OPTIMAL {
-            return Err(image.invalid("its levels were generated already"));
-        }
-        touched.written.clear();
-        let last = info.mips as usize - 1;
-        touched.layouts[..last].fill(vk::ImageLayout::TRANSFER_SRC_OPTIMAL);
-        let commands = self.commands()?;
-        for mip in 1..info.mips {
-            // The level before is complete; it is read from now on. What was uploaded to this one is written over.
-            let source = image.whole().mip(mip - 1).range();
-            let target = image.whole().mip(mip).range();
-            let barriers = [
-                barrier(image, source, vk::ImageLayout::TRANSFER_DST_OPTIMAL, vk::ImageLayout::TRANSFER_SRC_OPTIMAL),
-                barrier(image, target, vk::ImageLayout::TRANSFER_DST_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL),
-            ];
-            let corner = |mip| {
-                let [x, y, z] = image.mip_extent(mip).map(|e| e as i32);
-                [vk::Offset3D::default(), vk::Offset3D { x, y, z }]
-            };
-            let layers = |mip_level| vk::ImageSubresourceLayers {
-                aspect_mask: image.aspects(),
-                mip_level,
-                base_array_layer: 0,
-                layer_count: info.layers,
-            };
-            let blit = [vk::ImageBlit {
-                src_subresource: layers(mip - 1),
-                src_offsets: corner(mip - 1),
-                dst_subresource: layers(mip),
-                dst_offsets: corner(mip),
-            }];
-            // SAFETY: levels of a live image that is kept, in the stated layouts; the format can be blitted.
-            unsafe {
-                let device = commands.device();
-                let dependency = vk::DependencyInfo::default().image_memory_barriers(&barriers);
-                device.cmd_pipeline_barrier2(commands.raw(), &dependency);
-                device.cmd_blit_image(
-                    commands.raw(),
-                    image.raw(),
-                    vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
-                    image.raw(),
-                    vk::ImageLayout::TRANSFER_DST_OPTIMAL,
-                    &blit,
-                    vk::Filter::LINEAR,
-                );
-            }
-        }
-        Ok(())
-    }
-
     /// Submits the rest.
     ///
     /// # Errors
@@ -230,15 +149,9 @@ impl Uploader<'_> {
         let images = std::mem::take(&mut self.images);
         let commands = self.commands()?;
         let mut barriers = Vec::new();
-        for Touched { image, layouts, .. } in images.values() {
-            // One barrier a run of levels in the same layout.
-            let mut first = 0;
-            for run in layouts.chunk_by(|a, b| a == b) {
-                let mut range = image.range();
-                (range.base_mip_level, range.level_count) = (first, run.len() as u32);
-                first += run.len() as u32;
-                barriers.push(barrier(image, range, run[0], vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL));
-            }
+        for Touched { image, .. } in images.values() {
+            let (old, new) = (vk::ImageLayout::TRANSFER_DST_OPTIMAL, vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
+            barriers.push(barrier(image, old, new));
         }
         // SAFETY: live images that are kept, in the stated layouts.
         unsafe {
@@ -309,18 +222,14 @@ impl Uploader<'_> {
         if first {
             commands.keep(image.clone());
             let (old, new) = (vk::ImageLayout::UNDEFINED, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
-            let barriers = [barrier(image, image.range(), old, new)];
+            let barriers = [barrier(image, old, new)];
             // SAFETY: a live image that is kept; its contents are given up.
             unsafe {
                 let dependency = vk::DependencyInfo::default().image_memory_barriers(&barriers);
                 commands.device().cmd_pipeline_barrier2(commands.raw(), &dependency);
             }
         }
-        Ok(self.images.entry(image.raw()).or_insert_with(|| Touched {
-            image: image.clone(),
-            layouts: vec![vk::ImageLayout::TRANSFER_DST_OPTIMAL; image.info().mips as usize],
-            written: BTreeSet::new(),
-        }))
+        Ok(self.images.entry(image.raw()).or_insert_with(|| Touched { image: image.clone(), written: BTreeSet::new() }))
     }
 
     /// Copies from here on come after those before: something is written a second time.
@@ -346,12 +255,7 @@ fn global_barrier(commands: &Commands, from: vk::PipelineStageFlags2, to: vk::Pi
 }
 
 /// A change of layout between transfers, or from the last one to whatever follows.
-fn barrier(
-    image: &Image,
-    range: vk::ImageSubresourceRange,
-    old: vk::ImageLayout,
-    new: vk::ImageLayout,
-) -> vk::ImageMemoryBarrier2<'static> {
+fn barrier(image: &Image, old: vk::ImageLayout, new: vk::ImageLayout) -> vk::ImageMemoryBarrier2<'static> {
     use vk::{AccessFlags2 as A, PipelineStageFlags2 as S};
     let to = if new == vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL { S::ALL_COMMANDS } else { S::ALL_TRANSFER };
     vk::ImageMemoryBarrier2::default()
@@ -364,7 +268,7 @@ fn barrier(
         .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
         .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
         .image(image.raw())
-        .subresource_range(range)
+        .subresource_range(image.range())
 }
 
 impl Gpu {
@@ -391,20 +295,22 @@ impl Gpu {
         uploader.submit()
     }
 
-    /// Uploads level 0 of one image's layers, one after the other in `bytes`, and makes its other levels from it.
+    /// Uploads the layers of an image without further mip levels, one after the other in `bytes`.
     ///
     /// # Errors
-    /// As [`Uploader::image`] and [`Uploader::generate_mips`].
+    /// As [`Uploader::image`]; [`crate::Error::Invalid`] where the image has more than one level.
     pub fn upload_image(&self, image: &Image, bytes: &[u8]) -> Result<SubmitToken> {
         let layers = image.info().layers as usize;
         if bytes.is_empty() || !bytes.len().is_multiple_of(layers) {
             return Err(image.invalid(format!("{} bytes are not {layers} layers of the same size", bytes.len())));
         }
+        if image.info().mips != 1 {
+            return Err(image.invalid("it has several mip levels: an uploader takes them one by one"));
+        }
         let mut uploader = self.uploader(&format!("upload.{}", image.name()));
         for (layer, bytes) in bytes.chunks_exact(bytes.len() / layers).enumerate() {
             uploader.image(image, 0, layer as u32, bytes)?;
         }
-        uploader.generate_mips(image)?;
         uploader.submit()
     }
 }

@@ -190,6 +190,18 @@ impl<'f> Graph<'f> {
         parts.map(|layer| self.split(&image, Range::Image { aspects, mips, layers: [layer, layer + 1] })).collect()
     }
 
+    /// Takes the first layers of an image apart into blocks of so many layers, which can then be written in any order.
+    pub fn split_layer_blocks(&mut self, image: ImageHandle, counts: &[u32]) -> Vec<ImageHandle> {
+        let Range::Image { aspects, mips, layers } = image.range else { return Vec::new() };
+        let mut first = layers[0];
+        let block = |&count: &u32| {
+            let layers = [first, first + count];
+            first += count;
+            self.split(&image, Range::Image { aspects, mips, layers })
+        };
+        counts.iter().map(block).collect()
+    }
+
     /// Takes an image apart into its mip levels, which can then be written in any order.
     pub fn split_mips(&mut self, image: ImageHandle) -> Vec<ImageHandle> {
         let Range::Image { aspects, mips, layers } = image.range else { return Vec::new() };

@@ -40,11 +40,11 @@ impl Expansion {
 }
 
 /// What one view (or all at once) draws.
-struct Batch<'s> {
+struct Batch {
     /// Number pushed to the vertex shader; `None` where the hardware knows it.
     view: Option<u32>,
     /// Opaque and masked.
-    draws: [Vec<&'s Draw>; 2],
+    draws: [Vec<Draw>; 2],
 }
 
 impl GpuScene {
@@ -98,7 +98,7 @@ impl GpuScene {
         name: String,
         expansion: Expansion,
         views: &ViewSet,
-        batches: Vec<Batch<'f>>,
+        batches: Vec<Batch>,
         target: ImageHandle,
         faces: Faces,
     ) -> ImageHandle {

@@ -60,6 +60,8 @@ pub struct Draw {
 #[derive(Clone, Debug, Default)]
 pub struct DrawList {
     draws: Vec<Draw>,
+    /// World-space bounds, by place in the scene's instance buffer.
+    instance_bounds: Vec<Aabb>,
 }
 
 /// Which faces a pass draws.
@@ -72,9 +74,10 @@ pub enum Faces {
 }
 
 impl DrawList {
-    /// A list of these draws, which are sorted by state already.
-    pub fn new(draws: Vec<Draw>) -> Self {
-        Self { draws }
+    /// A list of these draws, which are sorted by state already. `instance_bounds`: world-space bounds of each
+    /// instance, by its place in the instance buffer.
+    pub fn new(draws: Vec<Draw>, instance_bounds: Vec<Aabb>) -> Self {
+        Self { draws, instance_bounds }
     }
 
     /// All draws.
@@ -94,14 +97,33 @@ impl DrawList {
         if sets.is_empty() { vec![0] } else { sets.into_iter().collect() }
     }
 
-    /// The draws of a class that touch one of the frusta (all where there are none).
-    pub fn visible(&self, class: DrawClass, frusta: &[Frustum]) -> Vec<&Draw> {
-        let seen = |draw: &&Draw| frusta.is_empty() || frusta.iter().any(|frustum| frustum.touches(&draw.bounds));
-        self.draws.iter().filter(|draw| draw.class == class).filter(seen).collect()
+    /// What of the draws of a class touches one of the frusta (all where there are none): a draw for each run of
+    /// instances that do.
+    pub fn visible(&self, class: DrawClass, frusta: &[Frustum]) -> Vec<Draw> {
+        let seen = |bounds: &Aabb| frusta.is_empty() || frusta.iter().any(|frustum| frustum.touches(bounds));
+        let mut visible: Vec<Draw> = Vec::new();
+        for draw in self.draws.iter().filter(|draw| draw.class == class && seen(&draw.bounds)) {
+            let first = visible.len();
+            for instance in draw.instances.clone() {
+                // An instance that nobody knows the bounds of is seen.
+                let bounds = self.instance_bounds.get(instance as usize).copied().unwrap_or(draw.bounds);
+                if !seen(&bounds) {
+                    continue;
+                }
+                match visible[first..].last_mut() {
+                    Some(run) if run.instances.end == instance => {
+                        run.instances.end += 1;
+                        run.bounds = run.bounds.union(bounds);
+                    }
+                    _ => visible.push(Draw { instances: instance..instance + 1, bounds, ..draw.clone() }),
+                }
+            }
+        }
+        visible
     }
 
     /// The blended draws that touch a frustum, farthest centre first; equally far ones in the scene's order.
-    pub fn back_to_front(&self, frustum: &Frustum, eye: Vec3) -> Vec<&Draw> {
+    pub fn back_to_front(&self, frustum: &Frustum, eye: Vec3) -> Vec<Draw> {
         let mut draws = self.visible(DrawClass::Blend, std::slice::from_ref(frustum));
         draws.sort_by(|a, b| {
             let distance = |draw: &Draw| draw.bounds.center().distance_squared(eye);
@@ -110,9 +132,6 @@ impl DrawList {
         draws
     }
 }
-
-/// Specialisation constant of `common/materials.glsl`: which textures a pipeline samples, as bits.
-pub const TEXTURES: u32 = 0;
 
 /// Vertex buffers of a pass that needs positions alone.
 pub const POSITIONS: &[VertexBuffer<'static>] = &[VertexBuffer {
@@ -150,7 +169,7 @@ pub const SHADED: &[VertexBuffer<'static>] = &[
 
 impl GpuScene {
     /// Records draws with the recorder's current program.
-    pub fn draw(&self, recorder: &mut Recorder, faces: Faces, draws: &[&Draw]) {
+    pub fn draw(&self, recorder: &mut Recorder, faces: Faces, draws: &[Draw]) {
         recorder.index_buffer(&self.indices);
         recorder.vertex_buffers(&[&self.positions, &self.alpha_attributes, &self.shading_attributes]);
         for draw in draws {
@@ -164,8 +183,8 @@ impl GpuScene {
         &self,
         recorder: &mut Recorder,
         texture_sets: &[u32],
-        draws: &[&Draw],
-        mut record: impl FnMut(&mut Recorder, &[&Draw]),
+        draws: &[Draw],
+        mut record: impl FnMut(&mut Recorder, &[Draw]),
     ) {
         for run in draws.chunk_by(|a, b| a.textures == b.textures) {
             let program = texture_sets.iter().position(|&set| set == run[0].textures);
@@ -176,7 +195,7 @@ impl GpuScene {
 
     /// The same for programs whose vertex shader pulls its vertices: `gl_VertexIndex` is the place in the index
     /// buffer.
-    pub fn draw_pulled(&self, recorder: &mut Recorder, faces: Faces, draws: &[&Draw]) {
+    pub fn draw_pulled(&self, recorder: &mut Recorder, faces: Faces, draws: &[Draw]) {
         for draw in draws {
             self.state(recorder, faces, draw);
             recorder.draw(draw.indices.clone(), draw.instances.clone());

@@ -11,13 +11,14 @@ mod light;
 mod light_buffer;
 mod material;
 mod mesh;
+mod mips;
 pub(crate) mod parallel;
 mod textures;
 mod upload;
 mod view_set;
 
 pub use camera::{Camera, Projection, View, depth};
-pub use draw::{ALPHA_TESTED, Draw, DrawClass, DrawList, Faces, POSITIONS, SHADED, TEXTURES};
+pub use draw::{ALPHA_TESTED, Draw, DrawClass, DrawList, Faces, POSITIONS, SHADED};
 pub use light::{Light, LightKind};
 pub use light_buffer::{LightShadow, MAX_LIGHTS, light_block};
 pub use material::{AlphaMode, Filter, Material, Texture, TextureSlot, Wrap};

@@ -1,10 +1,12 @@
 //! Textures on the device.
 
+use std::collections::BTreeSet;
+
 use ash::vk;
 
-use super::{Filter, Scene, Texture, Wrap, depth};
-use crate::Result;
+use super::{Filter, Scene, Texture, Wrap, depth, mips, parallel};
 use crate::gpu::{Gpu, Image, ImageInfo, Sampler, SamplerInfo, Uploader};
+use crate::{Error, Result};
 
 /// How a texture's texels are meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -14,56 +16,53 @@ pub(super) enum Encoding {
     Normal,
 }
 
-impl Encoding {
-    fn format(self) -> vk::Format {
-        match self {
-            Self::Srgb => vk::Format::R8G8B8A8_SRGB,
-            Self::Linear | Self::Normal => vk::Format::R8G8B8A8_UNORM,
-        }
-    }
-}
-
 /// Device images of the scene's textures, one for each encoding a texture is used in.
 pub(super) struct TextureImages {
     made: Vec<[Option<Image>; 2]>,
 }
 
 impl TextureImages {
-    pub(super) fn new(scene: &Scene) -> Self {
-        Self { made: vec![[None, None]; scene.textures.len()] }
-    }
-
-    pub(super) fn get(
-        &mut self,
+    /// Copies to the device what is `used`, mip levels and all.
+    pub(super) fn upload(
         gpu: &Gpu,
         uploader: &mut Uploader,
         scene: &Scene,
-        index: usize,
-        encoding: Encoding,
-    ) -> Result<Image> {
-        let place = &mut self.made[index][usize::from(encoding == Encoding::Srgb)];
-        if let Some(image) = place {
-            return Ok(image.clone());
-        }
-        let texture = &scene.textures[index];
-        let mips = match texture.mip {
-            Some(_) => texture.size[0].max(texture.size[1]).max(1).ilog2() + 1,
-            None => 1,
+        used: impl Iterator<Item = (usize, Encoding)>,
+    ) -> Result<Self> {
+        // 1. Mip levels, on all cores.
+        let wanted: BTreeSet<_> = used.map(|(texture, encoding)| (texture, encoding == Encoding::Srgb)).collect();
+        let wanted: Vec<(usize, bool)> = wanted.into_iter().collect();
+        let levels = |index: usize| {
+            let (texture, srgb) = wanted[index];
+            let texture = &scene.textures[texture];
+            Ok(texture.mip.map_or(Vec::new(), |_| mips::levels(texture, srgb)))
         };
-        let transfer = vk::ImageUsageFlags::TRANSFER_DST | vk::ImageUsageFlags::TRANSFER_SRC;
-        let image = gpu.create_image(&ImageInfo {
-            name: &texture.name,
-            format: encoding.format(),
-            extent: [texture.size[0], texture.size[1], 1],
-            mips,
-            usage: vk::ImageUsageFlags::SAMPLED | transfer,
-            ..ImageInfo::default()
-        })?;
-        uploader.image(&image, 0, 0, &texture.pixels)?;
-        if mips > 1 {
-            uploader.generate_mips(&image)?;
+        let fault = |index: usize| Error::invalid(&scene.textures[wanted[index].0].name, "has no mip levels");
+        let levels = parallel::map(wanted.len(), levels, fault)?;
+        // 2. Images.
+        let mut made = vec![[None, None]; scene.textures.len()];
+        for (&(index, srgb), levels) in wanted.iter().zip(levels) {
+            let texture = &scene.textures[index];
+            let image = gpu.create_image(&ImageInfo {
+                name: &texture.name,
+                format: if srgb { vk::Format::R8G8B8A8_SRGB } else { vk::Format::R8G8B8A8_UNORM },
+                extent: [texture.size[0], texture.size[1], 1],
+                mips: 1 + levels.len() as u32,
+                usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
+                ..ImageInfo::default()
+            })?;
+            uploader.image(&image, 0, 0, &texture.pixels)?;
+            for (mip, texels) in (1..).zip(&levels) {
+                uploader.image(&image, mip, 0, texels)?;
+            }
+            made[index][usize::from(srgb)] = Some(image);
         }
-        Ok(place.insert(image).clone())
+        Ok(Self { made })
+    }
+
+    /// A texture that was said to be used.
+    pub(super) fn get(&self, index: usize, encoding: Encoding) -> Option<&Image> {
+        self.made[index][usize::from(encoding == Encoding::Srgb)].as_ref()
     }
 }
 

@@ -94,17 +94,16 @@ impl Scene {
         let no_depth = depth_texel(gpu, &mut uploader)?;
         let material_layout =
             gpu.set_layout(1, &[&surface::gbuffer::gbuffer_frag::SHADER, &surface::depth::masked_frag::SHADER])?;
-        let mut images = TextureImages::new(&self);
+        let used = self.materials.iter().flat_map(slots).filter_map(|(slot, encoding)| Some((slot?.texture, encoding)));
+        let images = TextureImages::upload(gpu, &mut uploader, &self, used)?;
         let plain = gpu.sampler(&SamplerInfo::default())?;
         let mut material_sets = Vec::with_capacity(self.materials.len());
         for (index, material) in self.materials.iter().enumerate() {
             let mut descriptors = Vec::with_capacity(6);
             for (binding, (slot, encoding)) in slots(material).into_iter().enumerate() {
-                let descriptor = match slot {
-                    Some(slot) => {
-                        let image = images.get(gpu, &mut uploader, &self, slot.texture, encoding)?;
-                        Descriptor::texture(&image, sampler(gpu, &self.textures[slot.texture])?)
-                    }
+                let image = slot.and_then(|slot| Some((slot.texture, images.get(slot.texture, encoding)?)));
+                let descriptor = match image {
+                    Some((index, image)) => Descriptor::texture(image, sampler(gpu, &self.textures[index])?),
                     None if encoding == Encoding::Normal => Descriptor::texture(&flat, plain),
                     None => Descriptor::texture(&white, plain),
                 };
@@ -192,6 +191,7 @@ fn draws_and_instances(scene: &Scene, geometry: &Geometry) -> (DrawList, Vec<blo
 
     let mut draws: Vec<Draw> = Vec::new();
     let mut instances = Vec::with_capacity(items.len());
+    let mut instance_bounds = Vec::with_capacity(items.len());
     let mut last_key = None;
     for item in &items {
         let (class, double_sided, mirrored, material, mesh, part) = item.key;
@@ -201,6 +201,7 @@ fn draws_and_instances(scene: &Scene, geometry: &Geometry) -> (DrawList, Vec<blo
         let bounds = bounds.transformed(object.world_from_object);
         let before: usize = primitives[..part].iter().map(|p| p.indices.len() / 3).sum();
         let start = geometry.starts[mesh][part];
+        instance_bounds.push(bounds);
         instances.push(instance_record(&object.world_from_object, item.object, material, before, start));
         // Blended instances are sorted one by one, so each is a draw of its own.
         if last_key == Some(item.key) && class != DrawClass::Blend {
@@ -225,7 +226,7 @@ fn draws_and_instances(scene: &Scene, geometry: &Geometry) -> (DrawList, Vec<blo
         }
         last_key = Some(item.key);
     }
-    (DrawList::new(draws), instances)
+    (DrawList::new(draws, instance_bounds), instances)
 }
 
 fn instance_record(

@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 
 use ash::vk;
 
-use super::Shader;
+use super::{ConstantSlot, Shader};
 use crate::Result;
 use crate::gpu::{
     ColorTarget, Constant, DepthState, Gpu, GraphicsPipelineInfo, Pipeline, SetLayout, StencilState, VertexBuffer,
@@ -83,8 +83,8 @@ impl Program {
     }
 
     /// With the value of a specialisation constant.
-    pub fn constant(mut self, id: u32, value: Constant) -> Self {
-        self.constants.push((id, value));
+    pub fn constant<T: Into<Constant>>(mut self, slot: ConstantSlot<T>, value: T) -> Self {
+        self.constants.push((slot.id(), value.into()));
         self
     }
 

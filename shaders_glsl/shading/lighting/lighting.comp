@@ -45,7 +45,8 @@ void main() {
     vec3 v = direction_to_eye(0u, position);
     Reflectance r = reflectance(base.rgb, m.g, m.r);
     vec3 lit = vec3(0.0);
-    for (uint i = 0u; i < light_count; ++i) {
+    uint i = 0u;
+    do { // a light that does not shine stands in where there is none
         vec3 l;
         vec3 illuminance;
         light_at(lights[i], position, l, illuminance);
@@ -56,7 +57,7 @@ void main() {
             illuminance *= texelFetch(masks, ivec3(pixel, lights[i].mask), 0).r;
         }
         lit += illuminance * brdf_cosine(r, n, v, l);
-    }
+    } while (++i < light_count);
     vec3 ambient = environment_reflection(r, base.a, abs(dot(n, v)));
     imageStore(direct, pixel, vec4(lit, 1.0));
     imageStore(color, pixel, vec4(lit + ambient + glow, 1.0));

@@ -35,7 +35,8 @@ void main() {
     float view_distance = -(views[0].view_from_world * vec4(vertex_position, 1.0)).z;
     Reflectance r = reflectance(surface.albedo, surface.metallic, surface.roughness);
     vec3 lit = vec3(0.0);
-    for (uint i = 0u; i < light_count; ++i) {
+    uint i = 0u;
+    do { // a light that does not shine stands in where there is none
         vec3 l;
         vec3 illuminance;
         light_at(lights[i], vertex_position, l, illuminance);
@@ -44,7 +45,7 @@ void main() {
         }
         illuminance *= light_visibility(lights[i], vertex_position, n, view_distance);
         lit += illuminance * brdf_cosine(r, n, v, l);
-    }
+    } while (++i < light_count);
     lit += environment_reflection(r, surface.occlusion, abs(dot(n, v))) + surface.emissive;
     color = vec4(lit * surface.alpha, surface.alpha);
 }

@@ -7,9 +7,7 @@ use exr::math::Vec2;
 use exr::meta::BlockDescription;
 use exr::meta::attribute::{IntegerBounds, LineOrder};
 use exr::meta::header::Header;
-use miniz_oxide::deflate::core::{
-    CompressorOxide, TDEFLFlush, TDEFLStatus, compress, create_comp_flags_from_zip_params,
-};
+use zlib_rs::{Deflate, DeflateFlush, Status};
 
 use super::{Compression, header, to_io};
 use crate::capture::{Channel, Part, Samples};
@@ -35,7 +33,7 @@ impl Compression {
 pub(super) struct Codec<'a> {
     compression: Compression,
     part: PartCodec<'a>,
-    deflate: Box<CompressorOxide>,
+    deflate: Deflate,
     separated: Vec<u8>,
     deflated: Vec<u8>,
 }
@@ -68,12 +66,11 @@ impl<'a> PartCodec<'a> {
 
 impl<'a> Codec<'a> {
     pub(super) fn new(part: &'a Part, compression: Compression) -> Self {
-        // Zlib's format (15), default strategy (0), level 1: see the module.
-        let flags = create_comp_flags_from_zip_params(1, 15, 0);
         Self {
             compression,
             part: PartCodec::new(part, compression),
-            deflate: Box::new(CompressorOxide::new(flags)),
+            // Level 1, with zlib's header, and its largest window: see the module.
+            deflate: Deflate::new(1, true, 15),
             separated: Vec::new(),
             deflated: Vec::new(),
         }
@@ -119,8 +116,8 @@ impl<'a> Codec<'a> {
         self.deflate.reset();
         // One byte less than the input: more is of no use.
         self.deflated.resize(self.separated.len().saturating_sub(1), 0);
-        let (status, _, size) = compress(&mut self.deflate, &self.separated, &mut self.deflated, TDEFLFlush::Finish);
-        (status == TDEFLStatus::Done).then_some(size)
+        let status = self.deflate.compress(&self.separated, &mut self.deflated, DeflateFlush::Finish);
+        matches!(status, Ok(Status::StreamEnd)).then_some(self.deflate.total_out() as usize)
     }
 }
 

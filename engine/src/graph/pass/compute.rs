@@ -7,7 +7,7 @@ use crate::gpu::{self, Image, SamplerInfo};
 use crate::graph::builder::Graph;
 use crate::graph::description::{Access, Queue};
 use crate::graph::handle::{BufferHandle, ImageHandle};
-use crate::shader::{self, ReadSlot, SampledSlot, Shader, StorageSlot, UniformSlot, WriteSlot};
+use crate::shader::{self, ConstantSlot, ReadSlot, SampledSlot, Shader, StorageSlot, UniformSlot, WriteSlot};
 
 /// A compute pass being described; [`ComputePass::dispatch`] ends it.
 #[must_use = "a pass is recorded by `dispatch`"]
@@ -34,8 +34,8 @@ impl<'g, 'f> ComputePass<'g, 'f> {
     }
 
     /// Value of a specialisation constant.
-    pub fn specialize(&mut self, id: u32, value: gpu::Constant) -> &mut Self {
-        self.constants.push((id, value));
+    pub fn specialize<T: Into<gpu::Constant>>(&mut self, slot: ConstantSlot<T>, value: T) -> &mut Self {
+        self.constants.push((slot.id(), value.into()));
         self
     }
 

@@ -15,10 +15,12 @@ use crate::graph::description::{Access, Description, Queue, ResourceId, Shape};
 /// A barrier of one cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pending {
-    cell: u32,
+    pub(super) cell: u32,
     /// The step that it stands before or, where it releases, behind.
     pub(super) at: At,
     pub(super) release: bool,
+    /// The last use that it stands behind.
+    pub(super) behind: At,
     kind: Kind,
 }
 
@@ -105,7 +107,7 @@ struct Found {
 
 impl Found {
     fn push(&mut self, at: At, release: bool, kind: Kind) {
-        self.pending.push(Pending { cell: self.cell, at, release, kind });
+        self.pending.push(Pending { cell: self.cell, at, release, behind: kind.before, kind });
     }
 
     /// Some stages of `next` come behind `prev` by a semaphore; `memory`: and see what it wrote.
@@ -123,6 +125,7 @@ impl Found {
         let over = if is_image { execution(to) } else { Access { layout: Layout::UNDEFINED, ..to } };
         let (mut readers, mut semaphores) = (Stages::NONE, Vec::new());
         let mut old: Option<(At, ResourceId)> = None;
+        let start = self.pending.len();
         for &tenant in &placed.earlier[resource.0 as usize] {
             for group in context.versions.cells.of(tenant).filter_map(|cell| context.history.of(cell).last()) {
                 old = old.max(Some((group.last, tenant)));
@@ -154,6 +157,8 @@ impl Found {
         } else if !from.stages.is_empty() {
             self.push(first.first, false, Kind { scope: Scope::Memory, to: execution(to), ..kind });
         }
+        // They stay together.
+        self.pending[start..].iter_mut().for_each(|barrier| barrier.behind = before);
     }
 
     /// What stands between two groups of a cell.

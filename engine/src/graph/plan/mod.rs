@@ -5,6 +5,7 @@ mod cells;
 mod cull;
 mod dependencies;
 mod device;
+mod gather;
 mod history;
 mod lifetimes;
 mod order;
@@ -79,8 +80,10 @@ pub fn plan(description: &Description, device: &dyn DeviceModel) -> Result<Plan,
         lifetimes: &lifetimes,
         families,
     };
-    let (pending, reliances) = barriers::pending(&context, &placed);
-    let mut batches = queues::batches(&schedule, crossings, &context.takers(&pending));
+    let (mut pending, reliances) = barriers::pending(&context, &placed);
+    let takers = context.takers(&pending);
+    gather::gather(&mut pending, &schedule, &crossings, &takers);
+    let mut batches = queues::batches(&schedule, crossings, &takers);
     let trips = queues::narrow(&mut batches, &schedule, &reliances);
     let steps = (0..schedule.nodes.len())
         .map(|step| Step { work: schedule.work(step), queue: schedule.queues[step], barriers: Barriers::default() })

@@ -6,7 +6,7 @@ mod fit;
 mod split;
 
 use ash::vk;
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 
 pub use fit::{Fit, fit};
 pub use split::{Splits, split_distances};
@@ -61,6 +61,8 @@ pub struct CascadedShadow {
     pub map: ImageHandle,
     /// Parameters for `visibility.glsl`.
     pub parameters: blocks::Cascades,
+    /// Its constant `CASCADE_TAPS`.
+    pub taps: u32,
 }
 
 impl Cascaded {
@@ -83,17 +85,19 @@ impl Cascaded {
 
         let index_shape = ImageShape::new_2d(vk::Format::R32_SFLOAT, receivers.view.size);
         let index = graph.image("shadow.cascaded.index", index_shape);
-        let parameters = self.parameters(&fits, direction);
+        let parameters = self.parameters(&fits);
+        let taps = self.filter.taps();
         let mut pass = graph.compute("shadow.cascaded.mask", &shader::SHADER);
         pass.uniform(shader::VIEWS, &ViewSet::from(*receivers.view).block())
             .uniform(shader::CASCADES, &parameters)
             .read(shader::DEPTH, receivers.depth)
             .read(shader::IDS, receivers.ids)
-            .sample(shader::CASCADE_MAP, &map, map_sampler());
+            .sample(shader::CASCADE_MAP, &map, map_sampler())
+            .specialize(shader::CASCADE_TAPS, taps);
         let mask = pass.write(shader::MASK, mask);
         let index = pass.write(shader::CASCADE_INDEX, index);
         pass.dispatch([receivers.view.size[0], receivers.view.size[1], 1]);
-        CascadedShadow { mask, index, map, parameters }
+        CascadedShadow { mask, index, map, parameters, taps }
     }
 
     /// Where the cascades lie for a camera, a scene and a direction of light.
@@ -110,21 +114,25 @@ impl Cascaded {
             .collect()
     }
 
-    fn parameters(&self, fits: &[Fit], direction: Vec3) -> blocks::Cascades {
-        let mut cascades = [<blocks::Cascade as bytemuck::Zeroable>::zeroed(); MAX_CASCADES as usize];
+    /// The cascades differ by scale and offset alone: their views are all turned the same way.
+    fn parameters(&self, fits: &[Fit]) -> blocks::Cascades {
+        let none = blocks::Cascade { end: f32::INFINITY, ..bytemuck::Zeroable::zeroed() };
+        let mut cascades = [none; MAX_CASCADES as usize];
         for (cascade, fit) in cascades.iter_mut().zip(fits) {
             let [start, end] = fit.distances;
-            *cascade = blocks::Cascade {
-                clip_from_world: fit.view.clip_from_world().to_cols_array_2d(),
-                texel: fit.texel,
-                end,
-                fade: end - (end - start) * self.fade.clamp(0.0, 1.0),
-            };
+            let view_from_light = fit.view.view_from_world.w_axis.truncate();
+            let clip = &fit.view.clip_from_view;
+            // From clip space, −1 to 1, to texture coordinates, 0 to 1; depth stays.
+            let half = Vec3::new(0.5, 0.5, 1.0);
+            let scale = Vec3::new(clip.x_axis.x, clip.y_axis.y, clip.z_axis.z) * half;
+            let offset = clip.w_axis.truncate() * half + Vec3::new(0.5, 0.5, 0.0) + scale * view_from_light;
+            let fade = end - (end - start) * self.fade.clamp(0.0, 1.0);
+            *cascade = blocks::Cascade { scale, offset, texel: fit.texel, end, fade };
         }
+        let turned = fits.first().map_or(Mat3::IDENTITY, |fit| Mat3::from_mat4(fit.view.view_from_world)).transpose();
         blocks::Cascades {
-            to_light: -direction,
+            light_from_world: [turned.x_axis, turned.y_axis, turned.z_axis].map(Into::into),
             cascade_count: fits.len() as u32,
-            taps: self.filter.taps() as i32,
             map_texel: 1.0 / self.resolution as f32,
             cascades,
         }

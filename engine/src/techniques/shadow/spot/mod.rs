@@ -32,12 +32,14 @@ impl Default for Spot {
 
 /// What the technique gives.
 pub struct SpotShadows {
-    /// Visibility of each light at each pixel, 1 is lit; in the order asked for.
-    pub masks: Vec<ImageHandle>,
+    /// Visibility of the lights at each pixel, 1 is lit; a layer a light, in the order asked for.
+    pub masks: ImageHandle,
     /// Depth maps, a layer a light.
     pub maps: ImageHandle,
     /// Parameters for `visibility.glsl`.
     pub parameters: blocks::SpotMaps,
+    /// Its constant `SPOT_TAPS`.
+    pub taps: u32,
 }
 
 impl Spot {
@@ -55,14 +57,15 @@ impl Spot {
         Some(View::along(position, direction, projection, [self.resolution; 2]))
     }
 
-    /// Renders a map for each of `lights` (spots all) and writes their masks; nothing where there are none.
+    /// Renders a map for each of `lights` (spots all) and writes their masks, a layer each; nothing where there are
+    /// none.
     pub fn record<'f>(
         &self,
         graph: &mut Graph<'f>,
         scene: &'f GpuScene,
         receivers: &Receivers,
         lights: &[&Light],
-        masks: Vec<ImageHandle>,
+        masks: ImageHandle,
     ) -> Option<SpotShadows> {
         let views: Vec<_> = lights.iter().filter_map(|light| self.view(light, 2.0 * scene.bounds.radius())).collect();
         if views.is_empty() {
@@ -83,25 +86,22 @@ impl Spot {
         let maps = graph.join(drawn)?;
 
         let mut parameters: blocks::SpotMaps = bytemuck::Zeroable::zeroed();
-        parameters.spot_taps = self.filter.taps() as i32;
+        parameters.spot_count = count;
         parameters.spot_map_texel = 1.0 / self.resolution as f32;
         for (place, record) in parameters.spots.iter_mut().zip(records) {
             *place = record;
         }
-        let camera = ViewSet::from(*receivers.view).block();
-        let mut written = Vec::with_capacity(masks.len());
-        for (i, mask) in masks.into_iter().enumerate() {
-            let mut pass = graph.compute(format!("shadow.spot.mask.{i}"), &shader::SHADER);
-            pass.uniform(shader::VIEWS, &camera)
-                .uniform(shader::SPOT_MAPS, &parameters)
-                .read(shader::DEPTH, receivers.depth)
-                .read(shader::IDS, receivers.ids)
-                .sample(shader::SPOT_MAP, &maps, map_sampler())
-                .push(&(i as u32));
-            written.push(pass.write(shader::MASK, mask));
-            pass.dispatch([receivers.view.size[0], receivers.view.size[1], 1]);
-        }
-        Some(SpotShadows { masks: written, maps, parameters })
+        let taps = self.filter.taps();
+        let mut pass = graph.compute("shadow.spot.mask", &shader::SHADER);
+        pass.uniform(shader::VIEWS, &ViewSet::from(*receivers.view).block())
+            .uniform(shader::SPOT_MAPS, &parameters)
+            .read(shader::DEPTH, receivers.depth)
+            .read(shader::IDS, receivers.ids)
+            .sample(shader::SPOT_MAP, &maps, map_sampler())
+            .specialize(shader::SPOT_TAPS, taps);
+        let masks = pass.write(shader::MASKS, masks);
+        pass.dispatch([receivers.view.size[0], receivers.view.size[1], 1]);
+        Some(SpotShadows { masks, maps, parameters, taps })
     }
 
     fn map_record(&self, light: &Light, view: &View) -> blocks::SpotMap {

@@ -3,9 +3,9 @@
 
 use ash::vk;
 
-use crate::gpu::{Constant, Feature};
+use crate::gpu::Feature;
 use crate::graph::{Graph, ImageHandle, ImageShape, Load};
-use crate::scene::{DrawClass, Faces, GpuScene, SHADED, TEXTURES, View, ViewSet};
+use crate::scene::{DrawClass, Faces, GpuScene, SHADED, View, ViewSet};
 use crate::shader::Program;
 use crate::shader::generated::surface::gbuffer::{
     gbuffer_frag, gbuffer_pulled_frag, gbuffer_pulled_vert, gbuffer_vert,
@@ -86,7 +86,7 @@ impl GBuffer {
             false => Program::new(&gbuffer_vert::SHADER, Some(&gbuffer_frag::SHADER)).vertex_buffers(SHADED),
         };
         let program = program.depth(vk::CompareOp::EQUAL, false).set_layout(1, &scene.material_layout);
-        let one_each = texture_sets.iter().map(|&set| program.clone().constant(TEXTURES, Constant::U32(set)));
+        let one_each = texture_sets.iter().map(|&set| program.clone().constant(gbuffer_frag::TEXTURES, set));
         let mut pass = graph.raster("gbuffer", one_each.collect());
         pass.uniform(gbuffer_vert::VIEWS, &views.block())
             .constant(gbuffer_vert::INSTANCES, &scene.instances)

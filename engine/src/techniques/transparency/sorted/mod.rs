@@ -3,9 +3,9 @@
 
 use glam::Vec3;
 
-use crate::gpu::{Constant, SamplerInfo, blend};
+use crate::gpu::{SamplerInfo, blend};
 use crate::graph::{Graph, ImageHandle, Load};
-use crate::scene::{DrawClass, Faces, GpuScene, SHADED, TEXTURES, View, ViewSet, depth};
+use crate::scene::{DrawClass, Faces, GpuScene, SHADED, View, ViewSet, depth};
 use crate::shader::Program;
 use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::sorted::{sorted_frag as fragment, sorted_vert as vertex};
@@ -21,12 +21,22 @@ pub struct Sorted {
 pub struct ForwardLights<'h> {
     /// Lights, from [`crate::scene::light_block`].
     pub lights: &'h blocks::Lights,
-    /// Parameters and map of the cascaded shadow technique.
-    pub cascades: Option<(&'h blocks::Cascades, &'h ImageHandle)>,
-    /// Parameters and maps of the spot shadow technique.
-    pub spots: Option<(&'h blocks::SpotMaps, &'h ImageHandle)>,
+    /// Of the cascaded shadow technique.
+    pub cascades: Option<ForwardShadow<'h, blocks::Cascades>>,
+    /// Of the spot shadow technique.
+    pub spots: Option<ForwardShadow<'h, blocks::SpotMaps>>,
     /// How shadow maps are sampled.
     pub sampler: SamplerInfo,
+}
+
+/// What a shadow technique's `visibility.glsl` reads.
+pub struct ForwardShadow<'h, P> {
+    /// Its uniform block.
+    pub parameters: &'h P,
+    /// Its shadow maps, a layer each.
+    pub maps: &'h ImageHandle,
+    /// Bilinear taps a side of its filter.
+    pub taps: u32,
 }
 
 impl Sorted {
@@ -46,13 +56,17 @@ impl Sorted {
             return color;
         }
         let eye = view.eye();
+        let cascade_taps = lights.cascades.as_ref().map_or(1, |shadow| shadow.taps);
+        let spot_taps = lights.spots.as_ref().map_or(1, |shadow| shadow.taps);
         let program = Program::new(&vertex::SHADER, Some(&fragment::SHADER))
+            .constant(fragment::CASCADE_TAPS, cascade_taps)
+            .constant(fragment::SPOT_TAPS, spot_taps)
             .vertex_buffers(SHADED)
             .depth(depth::CLOSER, false)
             .blend(blend::over())
             .set_layout(1, &scene.material_layout);
         let texture_sets = scene.draws.texture_sets(&[DrawClass::Blend]);
-        let one_each = texture_sets.iter().map(|&set| program.clone().constant(TEXTURES, Constant::U32(set)));
+        let one_each = texture_sets.iter().map(|&set| program.clone().constant(fragment::TEXTURES, set));
         let mut pass = graph.raster("transparency.sorted", one_each.collect());
         pass.uniform(vertex::VIEWS, &views.block())
             .constant(vertex::INSTANCES, &scene.instances)
@@ -60,20 +74,24 @@ impl Sorted {
             .uniform(fragment::ENVIRONMENT, &blocks::Environment { radiance: self.environment })
             .depth_test(depth);
         // Dummies keep the bindings of a technique that is off filled: no light refers to them.
-        match lights.cascades {
-            Some((block, map)) => {
-                pass.uniform(fragment::CASCADES, block).sample(fragment::CASCADE_MAP, map, lights.sampler)
-            }
+        match &lights.cascades {
+            Some(shadow) => pass.uniform(fragment::CASCADES, shadow.parameters).sample(
+                fragment::CASCADE_MAP,
+                shadow.maps,
+                lights.sampler,
+            ),
             None => pass.uniform(fragment::CASCADES, &bytemuck::Zeroable::zeroed()).texture(
                 fragment::CASCADE_MAP,
                 &scene.no_depth,
                 lights.sampler,
             ),
         };
-        match lights.spots {
-            Some((block, map)) => {
-                pass.uniform(fragment::SPOT_MAPS, block).sample(fragment::SPOT_MAP, map, lights.sampler)
-            }
+        match &lights.spots {
+            Some(shadow) => pass.uniform(fragment::SPOT_MAPS, shadow.parameters).sample(
+                fragment::SPOT_MAP,
+                shadow.maps,
+                lights.sampler,
+            ),
             None => pass.uniform(fragment::SPOT_MAPS, &bytemuck::Zeroable::zeroed()).texture(
                 fragment::SPOT_MAP,
                 &scene.no_depth,
