@@ -24,6 +24,14 @@ pub(super) struct Pending {
     kind: Kind,
 }
 
+impl Pending {
+    /// Whether no memory depends on it.
+    pub(super) fn only_orders(&self) -> bool {
+        let Kind { scope, from, to, .. } = &self.kind;
+        *scope == Scope::Memory && from.mask.is_empty() && to.mask.is_empty()
+    }
+}
+
 /// All that must be alike for cells to share a barrier.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Kind {

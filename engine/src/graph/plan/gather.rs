@@ -10,16 +10,21 @@ use super::queues::Crossing;
 /// for graphics to hand over what was imported.
 pub(super) fn gather(pending: &mut [Pending], schedule: &Schedule, crossings: &[Crossing], takers: &[usize]) {
     let waits = waits(schedule, crossings.iter().map(|crossing| crossing.to).chain(takers.iter().copied()));
-    let mut taken: [Option<At>; 3] = [None; 3];
-    for barrier in pending.iter_mut().filter(|barrier| !barrier.release) {
-        let Some(step) = barrier.at.index() else { continue };
-        let queue = schedule.queues[step];
-        let taken = &mut taken[queue as usize];
-        let here = |before: Option<usize>| before.is_none_or(|step| schedule.queues[step] == queue);
-        let before = barrier.behind;
-        match *taken {
-            Some(place) if place > before && place >= waits[step] && here(before.index()) => barrier.at = place,
-            _ => *taken = Some(barrier.at),
+    // By queue: where some barrier stands. What only orders comes last: others may order as much.
+    let mut places: [Vec<At>; 3] = Default::default();
+    for orders in [false, true] {
+        for barrier in pending.iter_mut().filter(|barrier| !barrier.release && barrier.only_orders() == orders) {
+            let Some(step) = barrier.at.index() else { continue };
+            let queue = schedule.queues[step];
+            let places = &mut places[queue as usize];
+            let here = |before: Option<usize>| before.is_none_or(|step| schedule.queues[step] == queue);
+            let before = barrier.behind;
+            let place = places.partition_point(|place| *place <= barrier.at);
+            match place.checked_sub(1).map(|last| places[last]) {
+                Some(place) if place > before && place >= waits[step] && here(before.index()) => barrier.at = place,
+                Some(last) if last == barrier.at => {}
+                _ => places.insert(place, barrier.at),
+            }
         }
     }
     pending.sort_by_key(|barrier| (barrier.at, barrier.release, barrier.cell));

@@ -10,6 +10,7 @@ mod history;
 mod lifetimes;
 mod order;
 mod output;
+mod pack;
 mod place;
 mod queues;
 mod reason;
