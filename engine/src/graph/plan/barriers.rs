@@ -21,7 +21,20 @@ pub(super) struct Pending {
     pub(super) release: bool,
     /// The last use that it stands behind.
     pub(super) behind: At,
+    /// First and end of the reliances on semaphores that it is chained to.
+    relies: [usize; 2],
     kind: Kind,
+}
+
+/// Has barriers that are chained to semaphores begin with stages that these hold up; by reliance.
+pub(super) fn chain(pending: &mut [Pending], held: &[Stages]) {
+    for barrier in pending.iter_mut() {
+        let [first, end] = barrier.relies;
+        if let Some(held) = held.get(first..end).filter(|held| !held.is_empty()) {
+            let chained = held.iter().fold(Stages::NONE, |all, &stages| both(all, stages));
+            barrier.kind.from.stages = both(barrier.kind.from.stages, chained);
+        }
+    }
 }
 
 impl Pending {
@@ -115,12 +128,19 @@ struct Found {
 
 impl Found {
     fn push(&mut self, at: At, release: bool, kind: Kind) {
-        self.pending.push(Pending { cell: self.cell, at, release, behind: kind.before, kind });
+        self.pending.push(Pending { cell: self.cell, at, release, behind: kind.before, relies: [0; 2], kind });
     }
 
     /// Some stages of `next` come behind `prev` by a semaphore; `memory`: and see what it wrote.
     fn rely(&mut self, prev: &Group, next: &Group, stages: Stages, memory: bool) {
         self.reliances.push(Reliance { prev: prev.last, queue: prev.queue, next: next.first, stages, memory });
+    }
+
+    /// The last barrier is chained to the reliances from this one on.
+    fn chained_from(&mut self, first: usize) {
+        if let Some(barrier) = self.pending.last_mut() {
+            barrier.relies = [first, self.reliances.len()];
+        }
     }
 
     /// The first use of a transient: its image gets a layout, its memory comes from others.
@@ -150,18 +170,21 @@ impl Found {
                 }
             }
         }
-        let mut from = Access { stages: latest(readers), ..Access::NONE };
-        if is_image && !semaphores.is_empty() && from.stages.is_empty() {
-            // A semaphore made all of it available; a transition has to come behind the semaphore.
-            from.stages = any(first.access.stages);
-        }
-        let relying = if is_image { any(from.stages) } else { first.access.stages };
+        let from = Access { stages: latest(readers), ..Access::NONE };
+        // A semaphore made all of it available; a transition has to come behind the semaphore.
+        let relying = match (is_image, from.stages.is_empty()) {
+            (false, _) => first.access.stages,
+            (true, true) => any(first.access.stages),
+            (true, false) => any(from.stages),
+        };
+        let relies = self.reliances.len();
         semaphores.iter().for_each(|group| self.rely(group, first, relying, !is_image));
         let hazard = old.map_or(Hazard::First, |(_, old)| Hazard::Alias { old });
         let before = old.map_or(At::START, |(at, _)| at);
         let kind = Kind { scope: Scope::Resource, from, to, ownership: None, hazard, before, after };
         if is_image {
             self.push(first.first, false, kind);
+            self.chained_from(relies);
         } else if !from.stages.is_empty() {
             self.push(first.first, false, Kind { scope: Scope::Memory, to: execution(to), ..kind });
         }
@@ -211,9 +234,10 @@ impl Found {
             // The semaphore made everything visible. What stands here has to come behind it.
             if transition || ownership.is_some() {
                 let stages = if next.first == At::END { Stages::ALL_COMMANDS } else { any(to.stages) };
-                let from = Access { stages, mask: Mask::NONE, layout };
+                let from = Access { layout, ..Access::NONE };
                 self.push(next.first, false, Kind { from, ..kind });
                 self.rely(prev, next, stages, false);
+                self.chained_from(self.reliances.len() - 1);
                 visible.clear();
             } else if next.first != At::END || next.write || !unseen.mask.is_empty() {
                 self.rely(prev, next, to.stages, true);

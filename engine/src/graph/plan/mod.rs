@@ -85,7 +85,8 @@ pub fn plan(description: &Description, device: &dyn DeviceModel) -> Result<Plan,
     let takers = context.takers(&pending);
     gather::gather(&mut pending, &schedule, &crossings, &takers);
     let mut batches = queues::batches(&schedule, crossings, &takers);
-    let trips = queues::narrow(&mut batches, &schedule, &reliances);
+    let (held, trips) = queues::narrow(&mut batches, &schedule, &reliances);
+    barriers::chain(&mut pending, &held);
     let steps = (0..schedule.nodes.len())
         .map(|step| Step { work: schedule.work(step), queue: schedule.queues[step], barriers: Barriers::default() })
         .collect();

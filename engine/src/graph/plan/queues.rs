@@ -4,7 +4,7 @@ use ash::vk::PipelineStageFlags2 as Stages;
 
 use super::dependencies::Node;
 use super::history::{At, Schedule};
-use super::stages::{both, set, with_later, without};
+use super::stages::{any, both, set, with_later, without};
 use super::versions::Versions;
 use super::{Barriers, Batch, DeviceModel, Wait};
 use crate::graph::description::{Description, Queue, VersionId};
@@ -184,10 +184,18 @@ pub(super) struct RoundTrip {
     pub(super) steps: u32,
 }
 
-/// Has each semaphore hold up only stages that rely on it. The one by which the frame ends may hold up all.
-pub(super) fn narrow(batches: &mut [Batch], schedule: &Schedule, reliances: &[Reliance]) -> Vec<RoundTrip> {
+/// How many semaphores are looked at for each use that relies on one: bounds the cost of frames with many.
+const LOOKED_AT: usize = 8;
+
+/// Has each semaphore hold up only stages that rely on it. The one by which the frame ends may hold up all. Gives, by
+/// reliance, the stages that a barrier chained to the semaphore begins with.
+pub(super) fn narrow(
+    batches: &mut [Batch],
+    schedule: &Schedule,
+    reliances: &[Reliance],
+) -> (Vec<Stages>, Vec<RoundTrip>) {
     if batches.iter().all(|batch| batch.waits.is_empty()) {
-        return Vec::new();
+        return Default::default();
     }
     // By queue and value: the batch, and up to which value of each queue it knows all to be done when it begins.
     let mut places: [Vec<(usize, [u64; 3])>; 3] = Default::default();
@@ -204,30 +212,41 @@ pub(super) fn narrow(batches: &mut [Batch], schedule: &Schedule, reliances: &[Re
     let value = |at: At| at.index().map_or(1, |step| values[step]);
     let end = batches.last().map_or((0, 0), |batch| (batch.queue as usize, batch.signal));
     // By reliance: the waits that will do. Those with the least choice come first, and barriers after memory.
-    let mut choices: Vec<(&Reliance, Vec<(usize, usize)>)> = Vec::with_capacity(reliances.len());
-    for reliance in reliances {
+    let mut choices: Vec<(usize, Vec<(usize, usize)>)> = Vec::with_capacity(reliances.len());
+    for (index, reliance) in reliances.iter().enumerate() {
         let own = reliance.next.index().map_or(end, |step| (schedule.queues[step] as usize, values[step]));
         let needed = value(reliance.prev);
-        let before = places[own.0][..own.1 as usize].iter();
+        let before = places[own.0][..own.1 as usize].iter().rev();
         let waits = before.flat_map(|&(batch, _)| (0..batches[batch].waits.len()).map(move |wait| (batch, wait)));
         let will_do = |&(batch, wait): &(usize, usize)| {
             knows(&places, &batches[batch].waits[wait])[reliance.queue as usize] >= needed
         };
-        choices.push((reliance, waits.filter(will_do).collect()));
+        choices.push((index, waits.filter(will_do).take(LOOKED_AT).collect()));
     }
-    choices.sort_by_key(|(reliance, waits)| (!reliance.memory, waits.len(), set(reliance.stages).trailing_zeros()));
-    for (reliance, waits) in choices {
-        let held = waits.iter().fold(0, |held, &(batch, wait)| {
-            let stages = set(batches[batch].waits[wait].stages);
-            held | if reliance.memory { stages } else { with_later(stages) }
-        });
-        let missing = without(reliance.stages, held);
-        // The last of them holds up the fewest steps.
-        if let Some(&(batch, wait)) = waits.last()
-            && reliance.stages != Stages::ALL_COMMANDS
-        {
-            let stages = &mut batches[batch].waits[wait].stages;
-            *stages = both(*stages, missing);
+    choices.sort_by_key(|(index, waits)| {
+        let Reliance { memory, stages, .. } = reliances[*index];
+        (!memory, waits.len(), set(stages).trailing_zeros())
+    });
+    let mut chained: Vec<Stages> = reliances.iter().map(|reliance| reliance.stages).collect();
+    for (index, waits) in choices {
+        let Reliance { stages, memory, .. } = reliances[index];
+        if stages == Stages::ALL_COMMANDS {
+            continue;
+        }
+        let known = waits.iter().map(|&(batch, wait)| batches[batch].waits[wait].stages);
+        let held = known.clone().fold(0, |held, stages| held | set(stages));
+        let missing = without(stages, if memory { held } else { with_later(held) });
+        let other = known.map(any).find(|stages| !memory && !stages.is_empty());
+        match (other, waits.first()) {
+            _ if missing.is_empty() => {}
+            // A barrier may come behind any stage that is held up anyway.
+            (Some(other), _) => chained[index] = other,
+            // The last semaphore holds up the fewest steps.
+            (None, Some(&(batch, wait))) => {
+                let stages = &mut batches[batch].waits[wait].stages;
+                *stages = both(*stages, missing);
+            }
+            (None, None) => {}
         }
     }
     for wait in batches.iter_mut().flat_map(|batch| &mut batch.waits).filter(|wait| wait.stages.is_empty()) {
@@ -249,7 +268,7 @@ pub(super) fn narrow(batches: &mut [Batch], schedule: &Schedule, reliances: &[Re
             }
         }
     }
-    trips
+    (chained, trips)
 }
 
 /// Up to which value of each queue all is done when a wait is over.
