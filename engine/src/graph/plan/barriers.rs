@@ -93,14 +93,15 @@ pub(super) fn crossings(history: &History, cells: usize, steps: usize) -> Vec<Cr
 /// Every barrier of every cell, and what is left to semaphores.
 pub(super) fn pending(context: &Context, placed: &Placed) -> (Vec<Pending>, Vec<Reliance>) {
     let mut found = Found::default();
+    // What the contents of a cell were made visible to since they were written.
+    let mut visible: Vec<Seen> = Vec::new();
     for cell in 0..context.versions.cells.len() as u32 {
         found.cell = cell;
         let groups = context.history.of(cell);
         if let Some(first) = groups.first().filter(|group| group.first != At::START) {
             found.first_use(context, placed, first);
         }
-        // What the contents were made visible to since they were written.
-        let mut visible: Vec<Seen> = Vec::new();
+        visible.clear();
         if let Some(arrived) = groups.first().filter(|group| group.first == At::START && !group.write) {
             let Access { stages, mask, .. } = arrived.access;
             let all = (Queue::Graphics, Stages::from_raw(!0), Mask::from_raw(!0));
@@ -154,7 +155,7 @@ impl Found {
         let (mut readers, mut semaphores) = (Stages::NONE, Vec::new());
         let mut old: Option<(At, ResourceId)> = None;
         let start = self.pending.len();
-        for &tenant in &placed.earlier[resource.0 as usize] {
+        for tenant in placed.earlier(resource) {
             for group in context.versions.cells.of(tenant).filter_map(|cell| context.history.of(cell).last()) {
                 old = old.max(Some((group.last, tenant)));
                 let done = || !is_image && context.lifetimes.is_done(group.last, group.queue, first.first);
@@ -294,15 +295,16 @@ fn execution(access: Access) -> Access {
 /// Puts barriers of one place together: cells that share one become ranges. `pending`: all of one `at`.
 pub(super) fn together(context: &Context, pending: &[Pending], barriers: &mut Barriers) {
     let mut alike: Vec<(Kind, Vec<u32>)> = Vec::new();
-    for resource in pending.chunk_by(|a, b| context.resource(a) == context.resource(b)) {
+    for chunk in pending.chunk_by(|a, b| context.resource(a) == context.resource(b)) {
+        let resource = context.resource(&chunk[0]);
+        let whole = context.versions.cells.of(resource).len() == 1;
         alike.clear();
-        for barrier in resource {
+        for barrier in chunk {
             match alike.iter_mut().find(|(kind, _)| *kind == barrier.kind) {
                 Some((_, cells)) => cells.push(barrier.cell),
-                None => alike.push((barrier.kind, vec![barrier.cell])),
+                None => alike.push((barrier.kind, if whole { Vec::new() } else { vec![barrier.cell] })),
             }
         }
-        let resource = context.resource(&resource[0]);
         for (kind, cells) in &alike {
             let reason = Reason {
                 hazard: kind.hazard,
@@ -314,7 +316,13 @@ pub(super) fn together(context: &Context, pending: &[Pending], barriers: &mut Ba
             match kind.scope {
                 Scope::Memory => barriers.memory.push(MemoryBarrier { from, to, reason }),
                 Scope::Resource => {
-                    for range in context.versions.cells.ranges(cells) {
+                    let mut one = None;
+                    let mut parts = Vec::new();
+                    match whole {
+                        true => one = Some(context.description.resources[resource.0 as usize].shape.whole()),
+                        false => parts = context.versions.cells.ranges(cells),
+                    }
+                    for range in one.into_iter().chain(parts) {
                         if context.is_image(resource) {
                             barriers.images.push(ImageBarrier { resource, range, from, to, ownership, reason });
                         } else {

@@ -27,8 +27,6 @@ pub use output::{
 };
 pub use reason::{CullReason, Hazard, Reason};
 
-use std::collections::HashMap;
-
 use ash::vk::ImageLayout as Layout;
 
 use self::barriers::Context;
@@ -44,7 +42,7 @@ use super::errors::{ErrorKind, GraphError, GraphErrors};
 /// All that is wrong with the description, at once.
 pub fn plan(description: &Description, device: &dyn DeviceModel) -> Result<Plan, GraphErrors> {
     // 1. Find everything that is wrong.
-    let versions = validate::validate(description, device)?;
+    let (versions, all) = validate::validate(description, device)?;
 
     // 2. Leave out what no root and no side effect needs.
     let (live, culled) = cull::cull(description, &versions);
@@ -57,7 +55,10 @@ pub fn plan(description: &Description, device: &dyn DeviceModel) -> Result<Plan,
 
     // 4. Put passes and read-backs in order.
     let nodes = description.passes.len() + description.roots.len();
-    let dependencies = Dependencies::new(&events(description, &versions, &live), nodes);
+    let dependencies = match culled.is_empty() {
+        true => all,
+        false => Dependencies::new(&events(description, &versions, &live), nodes),
+    };
     let order = order::order(description, &dependencies, &live, &bytes);
 
     // 5. Give each a queue.
@@ -99,7 +100,7 @@ pub fn plan(description: &Description, device: &dyn DeviceModel) -> Result<Plan,
         placements: placed.placements,
         heaps: placed.heaps,
         usages,
-        lifetimes: lifetimes::report(&versions, &history, description.resources.len()),
+        lifetimes: lifetimes::report(description, &versions, &history),
         statistics: Statistics {
             lower_bound_bytes: placed.lower_bound,
             unaliased_bytes: placed.unaliased,
@@ -108,7 +109,7 @@ pub fn plan(description: &Description, device: &dyn DeviceModel) -> Result<Plan,
     };
     attach(&mut plan, &context, &pending);
     show_host(&mut plan);
-    drop_redundant(&mut plan, &trips);
+    drop_redundant(&mut plan, &trips, description.passes.len());
     plan.statistics.count(&plan.steps, &plan.batches, &plan.finally, &plan.heaps);
     Ok(plan)
 }
@@ -174,9 +175,22 @@ fn show_host(plan: &mut Plan) {
     }
 }
 
-/// Takes out dependencies that follow from others, queue by queue.
-fn drop_redundant(plan: &mut Plan, trips: &[RoundTrip]) {
-    let mut places: HashMap<Work, (Queue, u32)> = HashMap::new();
+/// Takes out dependencies that follow from others, queue by queue. `passes`: how many the description has.
+fn drop_redundant(plan: &mut Plan, trips: &[RoundTrip], passes: usize) {
+    // By pass, then by root: its queue, and where it stands there, from 1 on.
+    let node = |work: Work| match work {
+        Work::Pass(pass) => pass.0 as usize,
+        Work::ReadBack(root) => passes + root,
+    };
+    let nodes = plan.steps.iter().map(|step| node(step.work) + 1).max().unwrap_or(0);
+    let mut places = vec![(Queue::Graphics, u32::MAX); nodes];
+    // What came before the frame stands at 0, all of it on graphics.
+    let place = |places: &[(Queue, u32)], queue: Queue, work: Option<Work>| match work {
+        None => (queue == Queue::Graphics).then_some(0),
+        Some(work) => {
+            places.get(node(work)).filter(|place| place.0 == queue && place.1 != u32::MAX).map(|place| place.1)
+        }
+    };
     let mut ordered = [redundant::Ordered::default(), redundant::Ordered::default(), redundant::Ordered::default()];
     let mut counts = [0; 3];
     let mut trips = trips.iter().peekable();
@@ -191,19 +205,10 @@ fn drop_redundant(plan: &mut Plan, trips: &[RoundTrip]) {
                 ordered[queue].filter(&mut step.barriers, counts[queue], |work| place(&places, batch.queue, work));
             }
             counts[queue] += 1;
-            places.insert(step.work, (batch.queue, counts[queue]));
+            places[node(step.work)] = (batch.queue, counts[queue]);
         }
     }
-    let graphics = Queue::Graphics;
-    ordered[0].filter(&mut plan.finally, counts[0], |work| place(&places, graphics, work));
-}
-
-/// Where some work stands on a queue, from 1 on; 0 is what came before the frame, all of it on graphics.
-fn place(places: &HashMap<Work, (Queue, u32)>, queue: Queue, work: Option<Work>) -> Option<u32> {
-    match work {
-        None => (queue == Queue::Graphics).then_some(0),
-        Some(work) => places.get(&work).filter(|place| place.0 == queue).map(|place| place.1),
-    }
+    ordered[0].filter(&mut plan.finally, counts[0], |work| place(&places, Queue::Graphics, work));
 }
 
 impl Statistics {

@@ -13,12 +13,20 @@ pub(super) struct Placed {
     /// By resource.
     pub(super) placements: Vec<Placement>,
     pub(super) heaps: Vec<Heap>,
-    /// By resource: those whose memory it takes over.
-    pub(super) earlier: Vec<Vec<ResourceId>>,
+    /// Resources, each with those whose memory it takes over; ascending.
+    earlier: Vec<[ResourceId; 2]>,
     /// Sum of the heaps' lower bounds.
     pub(super) lower_bound: u64,
     /// Bytes if nothing shared memory.
     pub(super) unaliased: u64,
+}
+
+impl Placed {
+    /// Those whose memory a resource takes over.
+    pub(super) fn earlier(&self, resource: ResourceId) -> impl Iterator<Item = ResourceId> {
+        let first = self.earlier.partition_point(|pair| pair[0] < resource);
+        self.earlier[first..].iter().take_while(move |pair| pair[0] == resource).map(|pair| pair[1])
+    }
 }
 
 /// A resource to place.
@@ -37,7 +45,7 @@ pub(super) fn place(
     requirements: &[Option<Requirements>],
     lifetimes: &Lifetimes,
 ) -> Placed {
-    let mut placed = Placed { earlier: vec![Vec::new(); description.resources.len()], ..Placed::default() };
+    let mut placed = Placed::default();
     for (type_bits, resources) in by_memory_type(requirements, lifetimes) {
         let items = items(description, device.granularity(), requirements, lifetimes, &resources);
         let lower_bound = lower_bound(&items);
@@ -60,6 +68,8 @@ pub(super) fn place(
         }));
     }
     placed.placements.sort_unstable_by_key(|placement| placement.resource);
+    placed.earlier.sort_unstable();
+    placed.earlier.dedup();
     placed
 }
 
@@ -120,18 +130,19 @@ fn lower_bound(items: &[Item]) -> u64 {
 }
 
 /// Finds out whose memory each item takes over, byte by byte the last one that had it.
-fn tenants(items: &[Item], offsets: &[u64], earlier: &mut [Vec<ResourceId>]) {
+fn tenants(items: &[Item], offsets: &[u64], earlier: &mut Vec<[ResourceId; 2]>) {
     let mut order: Vec<usize> = (0..items.len()).collect();
     order.sort_by_key(|&i| (items[i].block.steps[0], items[i].resource));
     // Memory by its start: where it ends and who had it last.
     let mut memory: BTreeMap<u64, (u64, ResourceId)> = BTreeMap::new();
+    let mut overlapped = Vec::new();
     for index in order {
         let item = &items[index];
         let (start, end) = (offsets[index], offsets[index] + item.block.size);
         let before = memory.range(..end).rev().take_while(|(_, (stop, _))| *stop > start);
-        let overlapped: Vec<_> = before.map(|(&first, &(stop, who))| (first, stop, who)).collect();
-        let known = &mut earlier[item.resource.0 as usize];
-        for (first, stop, who) in overlapped {
+        overlapped.clear();
+        overlapped.extend(before.map(|(&first, &(stop, who))| (first, stop, who)));
+        for &(first, stop, who) in &overlapped {
             memory.remove(&first);
             if first < start {
                 memory.insert(first, (start, who));
@@ -139,10 +150,8 @@ fn tenants(items: &[Item], offsets: &[u64], earlier: &mut [Vec<ResourceId>]) {
             if stop > end {
                 memory.insert(end, (stop, who));
             }
-            known.push(who);
+            earlier.push([item.resource, who]);
         }
-        known.sort_unstable();
-        known.dedup();
         memory.insert(start, (end, item.resource));
     }
 }

@@ -57,7 +57,7 @@ fn tenants(images: &mut [ImageBarrier], memory: &mut Vec<MemoryBarrier>) {
     memory.retain(|barrier| !(is_tenant(&barrier.reason) && barrier.from.mask.is_empty() && transitions(barrier)));
 }
 
-/// What is ordered on one queue: before any later work in stage `b` begins, `done[a][b] - 1` steps, from the queue's
+/// What is ordered on one queue: before any later work in stage `b` begins, `done[b][a] - 1` steps, from the queue's
 /// first on, have all their work in stage `a` done, and where it is not 0, so has what came before the frame.
 #[derive(Clone, Default)]
 pub(super) struct Ordered {
@@ -166,10 +166,8 @@ impl Ordered {
     pub(super) fn wait(&mut self, stages: Stages, steps: u32) {
         let all = Access { stages: Stages::ALL_COMMANDS, mask: Mask::from_raw(!0), ..Access::NONE };
         self.remember(steps, all, Access { stages, ..all });
-        for a in 0..COUNT - 1 {
-            for b in members(with_later(set(stages))) {
-                self.done[a][b] = self.done[a][b].max(steps + 1);
-            }
+        for b in members(with_later(set(stages))) {
+            self.done[b].iter_mut().for_each(|done| *done = (*done).max(steps + 1));
         }
     }
 
@@ -178,19 +176,20 @@ impl Ordered {
         for other in self.for_all.iter_mut().filter(|other| other.step < step && other.behind & from != 0) {
             other.more |= to;
         }
-        for a in 0..COUNT - 1 {
-            let chained = members(from).map(|via| known[a][via]).max().unwrap_or(0);
-            let done = if from & (1 << a) != 0 { step + 1 } else { chained };
-            for b in members(to) {
-                self.done[a][b] = self.done[a][b].max(done);
-            }
+        let mut chained = [0; COUNT];
+        for via in members(from) {
+            chained.iter_mut().zip(&known[via]).for_each(|(done, known)| *done = (*done).max(*known));
+        }
+        members(from).for_each(|a| chained[a] = step + 1);
+        for b in members(to) {
+            self.done[b].iter_mut().zip(&chained).for_each(|(done, chained)| *done = (*done).max(*chained));
         }
     }
 
     /// The first stages that some second stage does not wait for yet, up to the place `before`.
     fn missing(&self, from: Stages, to: Stages, before: u32) -> Stages {
         let to = set(to);
-        let ordered = |a: &usize| members(to).all(|b| self.done[*a][b] > before);
+        let ordered = |a: &usize| members(to).all(|b| self.done[b][*a] > before);
         without(from, members(set(from)).filter(|&a| a < COUNT - 1).filter(ordered).fold(0, |done, a| done | 1 << a))
     }
 }
@@ -199,7 +198,7 @@ impl Ordered {
 fn unchained(known: &[[u32; COUNT]; COUNT], from: Stages, before: u32) -> Stages {
     bits(from.as_raw()).map(Stages::from_raw).fold(from, |left, stage| {
         let others = with_earlier(set(left & !stage));
-        let chained = |a: usize| a < COUNT - 1 && members(others).any(|b| known[a][b] > before);
+        let chained = |a: usize| a < COUNT - 1 && members(others).any(|b| known[b][a] > before);
         if members(set(stage)).all(chained) { left & !stage } else { left }
     })
 }
