@@ -9,7 +9,8 @@ use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use shadowgraph::graph::description::{Access, Description};
 use shadowgraph::graph::plan::{Barriers, Hazard, Plan, Reason, plan};
-use shadowgraph_tests::hazard::{MadeUpDevice, check, recipes};
+use shadowgraph::graph::report::text;
+use shadowgraph_tests::hazard::{MadeUpDevice, check, greedy_calls, recipes};
 
 /// The same graphs in every run.
 fn graphs(count: usize, passes: usize) -> Vec<(Description, MadeUpDevice, Plan)> {
@@ -153,6 +154,36 @@ fn memory_moved_onto_other_memory_is_noticed() {
     }
     println!("placements: {with} moved, {noticed} noticed");
     assert!(with > 50 && noticed == with, "{noticed} of {with}");
+}
+
+/// Calls of `vkCmdPipelineBarrier2`, against those of a planner that puts each barrier right before the pass that needs
+/// it, over the same steps and memory.
+#[test]
+fn barrier_calls_are_no_more_than_a_greedy_planner_makes() {
+    let (mut ours, mut greedy, mut more) = (0, 0, 0);
+    let mut ratios = Vec::new();
+    for passes in [24, 100] {
+        for (description, device, planned) in graphs(300, passes) {
+            if planned.is_single_queue() {
+                let calls = greedy_calls(&description, &planned, &device);
+                let own = planned.statistics.barrier_calls;
+                ours += own;
+                greedy += calls;
+                more += usize::from(own > calls);
+                if own > calls {
+                    println!("{own} calls, {calls} of a greedy planner:\n{}", text(&description, &planned));
+                }
+                ratios.push(own as f64 / calls.max(1) as f64);
+            }
+        }
+    }
+    ratios.sort_by(f64::total_cmp);
+    let (median, worst) = (ratios[ratios.len() / 2], ratios[ratios.len() - 1]);
+    println!(
+        "{ours} barrier calls, {greedy} of a greedy planner, in {} graphs; ratio median {median:.3}, worst {worst:.3}",
+        ratios.len()
+    );
+    assert!(ratios.len() > 200 && more == 0, "more calls in {more} graphs");
 }
 
 #[test]

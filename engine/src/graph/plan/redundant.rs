@@ -194,11 +194,20 @@ impl Ordered {
     }
 }
 
-/// First stages without those that come before the others, up to the place `before`.
+/// First stages without those that come before another one of them, which stays, up to the place `before`.
 fn unchained(known: &[[u32; COUNT]; COUNT], from: Stages, before: u32) -> Stages {
-    bits(from.as_raw()).map(Stages::from_raw).fold(from, |left, stage| {
-        let others = with_earlier(set(left & !stage));
-        let chained = |a: usize| a < COUNT - 1 && members(others).any(|b| known[b][a] > before);
-        if members(set(stage)).all(chained) { left & !stage } else { left }
-    })
+    let (mut left, mut stays) = (from, Stages::NONE);
+    for stage in bits(from.as_raw()).map(Stages::from_raw) {
+        let ordered = |other: &Stages| {
+            let behind = with_earlier(set(*other));
+            let chained = |a: usize| a < COUNT - 1 && members(behind).any(|b| known[b][a] > before);
+            members(set(stage)).all(chained)
+        };
+        let mut others = bits((left & !stage).as_raw()).map(Stages::from_raw);
+        if let Some(other) = others.find(ordered).filter(|_| !stays.contains(stage)) {
+            left &= !stage;
+            stays |= other;
+        }
+    }
+    left
 }
