@@ -142,11 +142,11 @@ fn bounds(scene: &Scene) -> shadowgraph::geometry::Aabb {
 }
 
 fn part(part: capture::Part) -> Part {
-    let channel = |samples| match samples {
+    let channel = |content: capture::Content| match content.into_samples().unwrap_or_else(|error| panic!("{error}")) {
         capture::Samples::F16(values) => Channel::Half(values.into_iter().map(f32::from).collect()),
         capture::Samples::F32(values) => Channel::Float(values),
         capture::Samples::U32(values) => Channel::Uint(values),
     };
-    let channels = part.channels.into_iter().map(|c| (c.name, channel(c.samples))).collect();
+    let channels = part.channels.into_iter().map(|c| (c.name, channel(c.content))).collect();
     Part { name: part.name, size: part.size, channels, texts: Default::default() }
 }

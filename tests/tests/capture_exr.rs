@@ -21,7 +21,7 @@ fn bits_written(capture: &Capture) -> Bits {
     let mut bits = Bits::new();
     for part in &capture.parts {
         for channel in &part.channels {
-            let samples = match &channel.samples {
+            let samples = match &channel.content.clone().into_samples().unwrap() {
                 Samples::F16(v) => (v.iter().map(|x| u32::from(x.to_bits())).collect(), "half"),
                 Samples::F32(v) => (v.iter().map(|x| x.to_bits()).collect(), "float"),
                 Samples::U32(v) => (v.clone(), "uint"),
@@ -198,7 +198,8 @@ fn the_same_capture_gives_the_same_bytes() {
     let mut capture = sample_capture();
     // Large enough for several blocks a thread, with attributes enough for an order to show.
     capture.parts[1].size = [256, 2048];
-    capture.parts[1].channels[0].samples = Samples::F32(noise(256 * 2048, 9).map(|x| (x % 9) as f32).collect());
+    let samples = Samples::F32(noise(256 * 2048, 9).map(|x| (x % 9) as f32).collect());
+    capture.parts[1].channels[0].content = samples.into();
     for index in 0..20 {
         capture.metadata.add_text(format!("shadowgraph/fact{index}"), "x");
     }

@@ -1,13 +1,18 @@
 //! Random graphs against the hazard checker.
 #![allow(clippy::unwrap_used)]
 
+use std::cell::Cell;
+
 use ash::vk::{AccessFlags2, ImageAspectFlags, ImageLayout};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
-use shadowgraph::graph::description::{Description, Origin, PassId, Range, ResourceId, Shape, Source, VersionId};
-use shadowgraph::graph::plan::plan;
+use shadowgraph::graph::GraphErrors;
+use shadowgraph::graph::description::{
+    Access, Checkpoint, Description, Origin, PassId, Range, ResourceId, Shape, Source, State, VersionId,
+};
+use shadowgraph::graph::plan::{End, Segment, plan, segment};
 use shadowgraph::graph::report::text;
-use shadowgraph_tests::hazard::{Recipe, check, recipes};
+use shadowgraph_tests::hazard::{Recipe, check, check_frames, check_segments, recipes};
 
 /// Random graphs, in the default run and with `SHADOWGRAPH_LONG=1`.
 fn cases(few: u32, many: u32) -> Config {
@@ -35,6 +40,70 @@ fn random_graphs_have_no_hazard() {
 #[test]
 fn large_random_graphs_have_no_hazard() {
     sweep(cases(20, 1_000), 200);
+}
+
+#[test]
+fn random_frames_in_a_row_have_no_hazard() {
+    let histories = prop::collection::vec(any::<[u8; 4]>(), 1..4);
+    let judge = |(recipe, histories): (Recipe, Vec<[u8; 4]>)| {
+        let device = recipe.device();
+        let frames = recipe.frames(&histories, 4, &device).map_err(|errors| TestCaseError::fail(errors.to_string()))?;
+        let wrong = check_frames(&frames, &device);
+        let texts = || frames.iter().map(|frame| text(&frame.description, &frame.plan)).collect::<Vec<_>>();
+        prop_assert!(wrong.is_empty(), "\n{}\n{}", wrong.join("\n"), texts().join("\n--- next frame\n"));
+        Ok(())
+    };
+    TestRunner::new(cases(1_000, 50_000)).run(&(recipes(16), histories), judge).unwrap();
+}
+
+#[test]
+fn random_frames_with_checkpoints_have_no_hazard() {
+    let checkpoints = prop::collection::vec(any::<u8>(), 1..4);
+    let judge = |(recipe, checkpoints): (Recipe, Vec<u8>)| {
+        let (description, device) = (recipe.description_with_checkpoints(&checkpoints), recipe.device());
+        let fail = |errors: GraphErrors| TestCaseError::fail(format!("{errors}\n{description:#?}"));
+        let mut segments: Vec<Segment> = Vec::new();
+        for index in 0..=description.checkpoints.len() {
+            let ends = segments.last().map_or(&[][..], |last| &last.plan.ends);
+            segments.push(segment(&description, index, ends, &device).map_err(fail)?);
+        }
+        let wrong = check_segments(&description, &segments, &device);
+        let texts = || segments.iter().map(|one| text(&one.description, &one.plan)).collect::<Vec<_>>();
+        prop_assert!(wrong.is_empty(), "\n{}\n{}", wrong.join("\n"), texts().join("\n--- next segment\n"));
+        Ok(())
+    };
+    TestRunner::new(cases(1_000, 50_000)).run(&(recipes(20), checkpoints), judge).unwrap();
+}
+
+/// The checker sees it where a segment takes the resources of the one before it for idle.
+#[test]
+fn segments_that_forget_what_came_before_are_noticed() {
+    let (handed_on, noticed) = (Cell::new(0), Cell::new(0));
+    let checkpoints = prop::collection::vec(any::<u8>(), 1..3);
+    let judge = |(recipe, checkpoints): (Recipe, Vec<u8>)| {
+        let (description, device) = (recipe.description_with_checkpoints(&checkpoints), recipe.device());
+        let plan = |index, ends: &[End]| segment(&description, index, ends, &device).unwrap();
+        let first = plan(0, &[]);
+        let idle = |end: &End| {
+            let access = Access { layout: end.state.access.layout, ..Access::NONE };
+            End { state: State { access, ..end.state }, ..*end }
+        };
+        let forgotten: Vec<End> = first.plan.ends.iter().map(idle).collect();
+        if description.checkpoints.len() == 1 && forgotten != first.plan.ends {
+            let second = plan(1, &forgotten);
+            let does = |segment: &Segment| (segment.plan.steps.clone(), segment.plan.finally.clone());
+            if does(&second) != does(&plan(1, &first.plan.ends)) {
+                handed_on.set(handed_on.get() + 1);
+                let wrong = check_segments(&description, &[first, second], &device);
+                noticed.set(noticed.get() + usize::from(!wrong.is_empty()));
+            }
+        }
+        Ok(())
+    };
+    TestRunner::new(cases(500, 500)).run(&(recipes(20), checkpoints), judge).unwrap();
+    let (handed_on, noticed) = (handed_on.get(), noticed.get());
+    println!("{handed_on} segments planned otherwise, {noticed} noticed");
+    assert!(handed_on > 30 && noticed * 100 >= handed_on * 95, "{noticed} of {handed_on}");
 }
 
 /// Spoils one number of a description.
@@ -84,6 +153,13 @@ fn spoil(description: &mut Description, [what, which, how, value, _]: [u8; 5]) {
         },
         13 => description.resources[resource].origin = Origin::Transient,
         14 => description.resources.truncate(resource),
+        15 if how % 2 == 0 => description.checkpoints.push(Checkpoint {
+            name: "spoilt".into(),
+            root,
+            passes: [pass, big as usize][usize::from(value % 2)],
+            versions: [version, description.versions.len()][usize::from(value / 2 % 2)],
+            resources: [resource, description.resources.len()][usize::from(value / 4 % 2)],
+        }),
         _ => description.passes.truncate(pass),
     }
 }
@@ -99,9 +175,15 @@ fn spoilt_graphs_are_errors_or_right_and_never_panic() {
             }
         }
         match plan(&description, &device) {
-            Ok(plan) => {
+            Ok(plan) if description.checkpoints.is_empty() => {
                 let wrong = check(&description, &plan, &device);
                 prop_assert!(wrong.is_empty(), "\n{}\n{}", wrong.join("\n"), text(&description, &plan));
+            }
+            Ok(first) => {
+                let mut ends = first.ends;
+                for index in 1..=description.checkpoints.len() {
+                    ends = segment(&description, index, &ends, &device).unwrap().plan.ends;
+                }
             }
             Err(errors) => prop_assert!(!errors.errors.is_empty()),
         }

@@ -1,14 +1,11 @@
 //! From what a frame left on the device to what goes into files.
 
-use ash::vk;
 use serde::Serialize;
 
-use super::texels::unpack_component;
-use super::{Capture, Channel, HalfReport, Metadata, Part, Samples};
+use super::{Capture, Channel, Content, HalfReport, Metadata, Part, SampleKind, Samples, Texels};
 use crate::frame::{Frame, Layer, Samples as Stored, Source};
 use crate::gpu::Caps;
-use crate::graph::description::Shape;
-use crate::graph::{self, Executed};
+use crate::graph::Executed;
 use crate::scene::{Camera, Scene, View, parallel};
 use crate::{Error, Result};
 
@@ -71,40 +68,41 @@ impl<S: Serialize + Sync> FrameCapture<'_, S> {
 
     /// Layers of one image.
     fn image(&self, (source, layers): &(&Source, Vec<&Layer>), executed: &Executed) -> Result<Image> {
-        let texels = Texels::of(source, executed)?;
+        let capture = executed.capture(&source.capture)?;
         let mut image = Image::default();
         for layer in layers {
             let mut channels = Vec::with_capacity(layer.channels.len());
+            let mut size = self.view.size;
             for (name, component) in &layer.channels {
-                let plane = texels.component(*component)?;
-                let (samples, report) = self.stored(layer, name, plane);
+                let texels = self.stored(layer, name, Texels::new(capture, source.layer, *component)?);
+                let report = texels.losses()?;
                 if report != HalfReport::default() {
                     image.lost.push((name.clone(), report));
                 }
-                channels.push(Channel::new(name, samples));
+                size = texels.size();
+                channels.push(Channel::new(name, Content::Texels(texels)));
             }
             if layer.own_part {
-                let size = texels.size;
                 image.parts.push(Part { name: layer.name.clone(), size, channels, ..Part::default() });
-            } else if texels.size == self.view.size {
+            } else if size == self.view.size {
                 image.of_frame.extend(channels);
             } else {
-                let why = format!("its size {:?} is not the picture's", texels.size);
+                let why = format!("its size {size:?} is not the picture's");
                 return Err(Error::invalid(format!("layer {}", layer.name), why));
             }
         }
         Ok(image)
     }
 
-    /// Samples as the file is to have them.
-    fn stored(&self, layer: &Layer, channel: &str, samples: Samples) -> (Samples, HalfReport) {
+    /// Texels as the file is to have them.
+    fn stored(&self, layer: &Layer, channel: &str, texels: Texels) -> Texels {
         // Alpha is no radiance.
         let exposed = self.exposure != 1.0 && channel != "A" && RADIANCE.contains(&layer.name.as_str());
-        let samples = if exposed { samples.scaled(self.exposure) } else { samples };
+        let texels = if exposed { texels.scaled(self.exposure) } else { texels };
         match layer.samples {
-            Stored::Color if !self.float => samples.into_half(),
-            Stored::Color | Stored::Float => (samples.into_float(), HalfReport::default()),
-            Stored::Uint => (samples, HalfReport::default()),
+            Stored::Color if !self.float => texels.float_kind(SampleKind::F16),
+            Stored::Color | Stored::Float => texels.float_kind(SampleKind::F32),
+            Stored::Uint => texels,
         }
     }
 
@@ -147,8 +145,9 @@ pub fn picture(frame: &Frame, executed: &Executed) -> Result<Vec<[f32; 4]>> {
     let Some(layer) = frame.layers.iter().find(|layer| layer.name == "color") else {
         return Err(Error::invalid("the picture", "the layer `color` was not captured"));
     };
-    let texels = Texels::of(&layer.source, executed)?;
-    let plane = |component| texels.component(component).map(Samples::into_f32);
+    let capture = executed.capture(&layer.source.capture)?;
+    let texels = |component| Texels::new(capture, layer.source.layer, component);
+    let plane = |component| texels(component)?.samples().map(Samples::into_f32);
     let [red, green, blue, alpha] = [plane(0)?, plane(1)?, plane(2)?, plane(3)?];
     let pixels = red.iter().zip(&green).zip(&blue).zip(&alpha);
     Ok(pixels.map(|(((&red, &green), &blue), &alpha)| [red, green, blue, alpha]).collect())
@@ -172,27 +171,4 @@ fn images(frame: &Frame) -> Vec<(&Source, Vec<&Layer>)> {
         }
     }
     images
-}
-
-/// A captured layer.
-struct Texels<'e> {
-    capture: &'e graph::Capture,
-    layer: u32,
-    format: vk::Format,
-    size: [u32; 2],
-}
-
-impl<'e> Texels<'e> {
-    fn of(source: &Source, executed: &'e Executed) -> Result<Self> {
-        let capture = executed.capture(&source.capture)?;
-        let Shape::Image(shape) = &capture.shape else {
-            return Err(Error::invalid(format!("capture `{}`", source.capture), "is a buffer, not an image"));
-        };
-        let size = [shape.extent[0], shape.extent[1]];
-        Ok(Self { capture, layer: source.layer, format: shape.format, size })
-    }
-
-    fn component(&self, component: usize) -> Result<Samples> {
-        self.capture.layer(self.layer, |texels| unpack_component(self.format, texels, component))?
-    }
 }

@@ -4,6 +4,7 @@
 //! under a temporary name in its own folder and renamed, and the same input gives the same bytes.
 
 mod atomic;
+mod content;
 mod exr;
 mod frame;
 mod half_float;
@@ -14,6 +15,7 @@ mod png;
 mod texels;
 
 pub use atomic::write_atomically;
+pub use content::{Content, SampleKind, Texels};
 pub use exr::{Compression, ExrOptions, write_exr};
 pub use frame::{CapturedFrame, FrameCapture, picture};
 pub use half_float::{HalfReport, to_half};

@@ -3,7 +3,7 @@
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 
-use super::{HalfReport, Metadata, to_half};
+use super::{Content, HalfReport, Metadata, SampleKind, to_half};
 
 /// Everything one file holds.
 #[derive(Clone, Debug, Default)]
@@ -33,7 +33,7 @@ pub struct Channel {
     /// Unique in its part, by OpenEXR's convention `layer.component`: `N.X`, `albedo.R`, `Z`.
     pub name: String,
     /// One a pixel, rows from the top.
-    pub samples: Samples,
+    pub content: Content,
 }
 
 /// Samples of a channel, in one of OpenEXR's three types.
@@ -109,17 +109,18 @@ impl Samples {
         Self::F32(values)
     }
 
-    pub(super) fn bytes_per_sample(&self) -> usize {
+    pub(super) fn kind(&self) -> SampleKind {
         match self {
-            Self::F16(_) => 2,
-            Self::F32(_) | Self::U32(_) => 4,
+            Self::F16(_) => SampleKind::F16,
+            Self::F32(_) => SampleKind::F32,
+            Self::U32(_) => SampleKind::U32,
         }
     }
 }
 
 impl Channel {
     /// A channel of a name.
-    pub fn new(name: impl Into<String>, samples: Samples) -> Self {
-        Self { name: name.into(), samples }
+    pub fn new(name: impl Into<String>, content: impl Into<Content>) -> Self {
+        Self { name: name.into(), content: content.into() }
     }
 }

@@ -1,5 +1,7 @@
 //! What texels read back from an image mean.
 
+use std::sync::LazyLock;
+
 use ash::vk;
 use half::f16;
 
@@ -34,6 +36,12 @@ pub(super) fn components(format: vk::Format) -> Result<usize> {
     }
 }
 
+/// Whether all values of a format are from 0 to 1.
+pub(super) fn is_normalised(format: vk::Format) -> bool {
+    use vk::Format as F;
+    matches!(format, F::R8_UNORM | F::R8G8_UNORM | F::R8G8B8A8_UNORM | F::R8G8B8A8_SRGB | F::R16_UNORM | F::D16_UNORM)
+}
+
 /// One component of texels, as [`unpack`] gives it.
 pub(super) fn unpack_component(format: vk::Format, bytes: &[u8], component: usize) -> Result<Samples> {
     use vk::Format as F;
@@ -42,16 +50,19 @@ pub(super) fn unpack_component(format: vk::Format, bytes: &[u8], component: usiz
         Error::invalid(format!("texels of {format:?}"), why)
     };
     let unorm8 = |byte: [u8; 1]| f32::from(byte[0]) / 255.0;
-    let half: fn([u8; 2]) -> f16 = f16::from_le_bytes;
-    let float: fn([u8; 4]) -> f32 = f32::from_le_bytes;
-    let uint: fn([u8; 4]) -> u32 = u32::from_le_bytes;
-    let short = |bytes| u32::from(u16::from_le_bytes(bytes));
+    // Closures and not functions by name, which would be called through a pointer for each texel.
+    let half = |bytes: [u8; 2]| f16::from_le_bytes(bytes);
+    let float = |bytes: [u8; 4]| f32::from_le_bytes(bytes);
+    let uint = |bytes: [u8; 4]| u32::from_le_bytes(bytes);
+    let short = |bytes: [u8; 2]| u32::from(u16::from_le_bytes(bytes));
     let samples = match format {
         F::R8_UNORM => plane::<1, 1, _>(bytes, component, unorm8).map(Samples::F32),
         F::R8G8_UNORM => plane::<1, 2, _>(bytes, component, unorm8).map(Samples::F32),
         // Alpha is linear as it is.
         F::R8G8B8A8_SRGB if component < 3 => {
-            let linear: [f32; 256] = std::array::from_fn(|byte| from_srgb(byte as f32 / 255.0));
+            static LINEAR: LazyLock<[f32; 256]> =
+                LazyLock::new(|| std::array::from_fn(|byte| from_srgb(byte as f32 / 255.0)));
+            let linear = &*LINEAR;
             plane::<1, 4, _>(bytes, component, |[byte]| linear[usize::from(byte)]).map(Samples::F32)
         }
         F::R8G8B8A8_UNORM | F::R8G8B8A8_SRGB => plane::<1, 4, _>(bytes, component, unorm8).map(Samples::F32),

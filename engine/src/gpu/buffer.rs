@@ -1,12 +1,12 @@
 //! Buffers.
 
 use std::ptr::NonNull;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, PoisonError, RwLock};
 
 use ash::vk;
 
 use super::device::{Device, Garbage, RawBuffer};
-use super::{Gpu, Heap, Memory, lock};
+use super::{Gpu, Heap, Memory};
 use crate::{Error, Result};
 
 /// What buffer to make.
@@ -54,7 +54,7 @@ struct Inner {
     usage: vk::BufferUsageFlags,
     buffer: vk::Buffer,
     /// Held while the host touches the bytes.
-    mapped: Mutex<Option<Mapped>>,
+    mapped: RwLock<Option<Mapped>>,
     /// Taken by `Drop`.
     raw: Option<RawBuffer>,
     /// Where the memory is a heap's. Dropped after `raw` was given away.
@@ -64,9 +64,11 @@ struct Inner {
 /// First byte of mapped memory.
 struct Mapped(NonNull<u8>);
 
-// SAFETY: the pointer is to memory that belongs to the buffer and is mapped as long as it; the mutex around it orders
+// SAFETY: the pointer is to memory that belongs to the buffer and is mapped as long as it; the lock around it orders
 // the host's accesses.
 unsafe impl Send for Mapped {}
+// SAFETY: as above: readers share the lock, who writes has it alone.
+unsafe impl Sync for Mapped {}
 
 impl Buffer {
     pub(super) fn new(device: Arc<Device>, info: &BufferInfo, raw: RawBuffer, heap: Option<Heap>) -> Self {
@@ -79,7 +81,7 @@ impl Buffer {
             size: info.size,
             usage: info.usage,
             buffer: raw.buffer,
-            mapped: Mutex::new(mapped),
+            mapped: RwLock::new(mapped),
             raw: Some(raw),
             _heap: heap,
             device,
@@ -129,7 +131,7 @@ impl Buffer {
             let size = self.0.size;
             return Err(self.invalid(format!("{length} bytes at {offset} do not fit into its {size} bytes")));
         }
-        let mapped = lock(&self.0.mapped);
+        let mapped = self.0.mapped.write().unwrap_or_else(PoisonError::into_inner);
         let Some(first) = mapped.as_ref() else { return Err(self.not_mapped()) };
         // SAFETY: the part lies in the mapped memory of this buffer; the lock keeps other host accesses away.
         unsafe { std::ptr::copy_nonoverlapping(bytes.as_ptr(), first.0.as_ptr().add(offset as usize), bytes.len()) };
@@ -150,9 +152,9 @@ impl Buffer {
     /// # Errors
     /// [`crate::Error::Invalid`] where it is not mapped.
     pub fn read_with<R>(&self, look: impl FnOnce(&[u8]) -> R) -> Result<R> {
-        let mapped = lock(&self.0.mapped);
+        let mapped = self.0.mapped.read().unwrap_or_else(PoisonError::into_inner);
         let Some(first) = mapped.as_ref() else { return Err(self.not_mapped()) };
-        // SAFETY: the buffer's own bytes, mapped; the lock keeps other host accesses away.
+        // SAFETY: the buffer's own bytes, mapped; the lock keeps those who write away.
         Ok(look(unsafe { std::slice::from_raw_parts(first.0.as_ptr(), self.0.size as usize) }))
     }
 

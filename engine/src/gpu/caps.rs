@@ -216,6 +216,8 @@ features! {
     SubgroupSizeControl = "subgroupSizeControl",
     /// Vulkan's memory model.
     VulkanMemoryModel = "vulkanMemoryModel",
+    /// Atomics over the whole device under Vulkan's memory model.
+    VulkanMemoryModelDeviceScope = "vulkanMemoryModelDeviceScope",
     /// Descriptors written by commands.
     PushDescriptors = "VK_KHR_push_descriptor",
     /// A fragment shader writes the stencil.

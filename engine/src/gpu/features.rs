@@ -108,6 +108,7 @@ const OPTIONAL: &[(Feature, Option<&CStr>, Field)] = &[
     (Feature::TextureCompressionBc, None, |f| &mut f.core.texture_compression_bc),
     (Feature::SubgroupSizeControl, None, |f| &mut f.v13.subgroup_size_control),
     (Feature::VulkanMemoryModel, None, |f| &mut f.v12.vulkan_memory_model),
+    (Feature::VulkanMemoryModelDeviceScope, None, |f| &mut f.v12.vulkan_memory_model_device_scope),
     (Feature::FragmentShaderInterlock, Some(ash::ext::fragment_shader_interlock::NAME), |f| &mut f.interlock.fragment_shader_pixel_interlock),
     (Feature::DepthClipEnable, Some(ash::ext::depth_clip_enable::NAME), |f| &mut f.depth_clip.depth_clip_enable),
     (Feature::TriangleFans, Some(ash::khr::portability_subset::NAME), |f| &mut f.portability.triangle_fans),
@@ -159,6 +160,10 @@ impl Features {
             }
         }
         optional.extend(EXTENSIONS.iter().filter(|(_, e)| has(e)).map(|(f, _)| *f));
+        // With the memory model but not this, GLSL's atomics, which are of device scope, would be forbidden.
+        if !optional.contains(&Feature::VulkanMemoryModelDeviceScope) {
+            optional.remove(&Feature::VulkanMemoryModel);
+        }
         Offer { missing, optional, extensions }
     }
 

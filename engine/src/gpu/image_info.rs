@@ -210,3 +210,24 @@ impl ViewInfo {
         format!(".view({:?} mips {:?} layers {:?} {:?})", self.kind, self.mips, self.layers, self.aspects)
     }
 }
+
+impl super::Gpu {
+    /// What images of a format can be used for, with optimal tiling.
+    pub fn image_usages(&self, format: vk::Format) -> vk::ImageUsageFlags {
+        use vk::FormatFeatureFlags as Feature;
+        use vk::ImageUsageFlags as Usage;
+        let device = &self.device;
+        // SAFETY: a plain query.
+        let can = unsafe { device.instance.get_physical_device_format_properties(device.physical, format) };
+        let usages = [
+            (Feature::SAMPLED_IMAGE, Usage::SAMPLED),
+            (Feature::STORAGE_IMAGE, Usage::STORAGE),
+            (Feature::COLOR_ATTACHMENT, Usage::COLOR_ATTACHMENT),
+            (Feature::DEPTH_STENCIL_ATTACHMENT, Usage::DEPTH_STENCIL_ATTACHMENT),
+            (Feature::TRANSFER_SRC, Usage::TRANSFER_SRC),
+            (Feature::TRANSFER_DST, Usage::TRANSFER_DST),
+        ];
+        let all = usages.into_iter().filter(|(feature, _)| can.optimal_tiling_features.contains(*feature));
+        all.fold(Usage::empty(), |all, (_, usage)| all | usage)
+    }
+}

@@ -76,6 +76,7 @@ fn feature_of(capability: &str) -> Option<Feature> {
         "FragmentShaderPixelInterlockEXT" => Feature::FragmentShaderInterlock,
         "SampleMaskPostDepthCoverage" => Feature::PostDepthCoverage,
         "VulkanMemoryModel" => Feature::VulkanMemoryModel,
+        "VulkanMemoryModelDeviceScope" => Feature::VulkanMemoryModelDeviceScope,
         _ => return None,
     })
 }

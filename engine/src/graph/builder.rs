@@ -1,15 +1,19 @@
 //! Describing a frame: resources, passes, roots. Touches no device.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use ash::vk;
 
+use super::checkpoint::Later;
 use super::description::{
     Access, Description, ImageShape, Origin, Pass, PassId, Queue, Range, Resource, ResourceId, Root, Shape, Source,
     Use, Version, VersionId,
 };
 use super::errors::{ErrorKind, GraphError, GraphErrors};
+use super::execute::Asked;
 use super::handle::{BufferHandle, Handle, ImageHandle};
+use super::history::{Declared, KeptHistories};
 use super::pass::{ComputePass, RasterPass, Work};
 use super::plan::{DeviceModel, Plan, plan};
 use crate::gpu::{Buffer, Caps, Image};
@@ -28,6 +32,15 @@ pub struct Graph<'f> {
     pub(super) arena: Arena,
     /// Mistakes that the typed layer saw.
     pub(super) mistakes: Vec<GraphError>,
+    /// What the executor keeps from the last frame.
+    pub(super) kept: Arc<KeptHistories>,
+    pub(super) histories: Vec<Declared>,
+    /// Whether histories begin anew.
+    pub(super) cut: bool,
+    /// What follows from what checkpoints read.
+    pub(super) later: Vec<Later<'f>>,
+    /// What passes ask the device to count.
+    pub(super) queries: Vec<Asked>,
 }
 
 /// An imported resource.
@@ -79,6 +92,11 @@ impl<'f> Graph<'f> {
             external: Vec::new(),
             arena: Arena::default(),
             mistakes: Vec::new(),
+            kept: Arc::default(),
+            histories: Vec::new(),
+            cut: false,
+            later: Vec::new(),
+            queries: Vec::new(),
         }
     }
 
@@ -169,16 +187,17 @@ impl<'f> Graph<'f> {
         next
     }
 
-    /// Plans the frame for a device.
+    /// Plans the frame for a device, up to its first checkpoint; the executor plans on.
     ///
     /// # Errors
     /// All that is wrong with it, at once.
     pub fn compile(&self, device: &dyn DeviceModel) -> Result<Plan, GraphErrors> {
         let planned = plan(&self.description, device);
-        if self.mistakes.is_empty() {
+        let partly = planned.as_ref().map_or_else(|_| Vec::new(), |plan| self.written_in_part(plan));
+        if self.mistakes.is_empty() && partly.is_empty() {
             return planned;
         }
-        let mut errors = self.mistakes.clone();
+        let mut errors = [self.mistakes.clone(), partly].concat();
         errors.extend(planned.err().map(|more| more.errors).unwrap_or_default());
         Err(GraphErrors { graph: self.description.name.clone(), errors })
     }
@@ -251,7 +270,7 @@ impl<'f> Graph<'f> {
         self.description.roots.push(Root { name, version: handle.version(), read_back: false });
     }
 
-    fn new_image(
+    pub(super) fn new_image(
         &mut self,
         name: String,
         shape: ImageShape,
@@ -263,7 +282,13 @@ impl<'f> Graph<'f> {
         ImageHandle { graph: self.id, resource, version, shape, range }
     }
 
-    fn new_buffer(&mut self, name: String, size: u64, origin: Origin, external: Option<External>) -> BufferHandle {
+    pub(super) fn new_buffer(
+        &mut self,
+        name: String,
+        size: u64,
+        origin: Origin,
+        external: Option<External>,
+    ) -> BufferHandle {
         let range = Range::Buffer([0, size]);
         let (resource, version) = self.new_resource(name, Shape::Buffer { size }, range, origin, external);
         BufferHandle { graph: self.id, resource, version, range }
@@ -300,7 +325,9 @@ impl<'f> Graph<'f> {
     }
 
     pub(super) fn push_pass(&mut self, name: String, queue: Queue, uses: Vec<Use>, work: Work<'f>) {
-        self.description.passes.push(Pass { name, queue, uses, side_effect: None });
+        let counts = self.queries.last().is_some_and(|asked| asked.pass == self.next_pass());
+        let side_effect = counts.then(|| "the device counts over it".into());
+        self.description.passes.push(Pass { name, queue, uses, side_effect });
         self.work.push(work);
     }
 
@@ -312,6 +339,19 @@ impl<'f> Graph<'f> {
 
     /// A use that writes: `reads` where the contents before it matter. Undefined contents never do.
     pub(super) fn written<H: Handle>(
+        &mut self,
+        pass: PassId,
+        slot: &str,
+        handle: H,
+        reads: bool,
+        access: Access,
+    ) -> (Use, H) {
+        self.check_previous(slot, &handle);
+        self.replaced(pass, slot, handle, reads, access)
+    }
+
+    /// As [`Graph::written`], of any resource.
+    pub(super) fn replaced<H: Handle>(
         &mut self,
         pass: PassId,
         slot: &str,
@@ -332,8 +372,13 @@ impl<'f> Graph<'f> {
         loop {
             match &self.description.versions[version.0 as usize].source {
                 Source::Initial => {
-                    let resource = &self.description.resources[handle.resource().0 as usize];
-                    return resource.origin == Origin::Transient;
+                    return match &self.description.resources[handle.resource().0 as usize].origin {
+                        Origin::Transient => true,
+                        Origin::Imported { .. } => false,
+                        Origin::Kept { before, .. } => {
+                            !before.iter().any(|state| state.holds && state.range.overlaps(&handle.range()))
+                        }
+                    };
                 }
                 Source::Split { of } | Source::Fork { of } => version = *of,
                 Source::Pass { .. } | Source::Join { .. } => return false,
@@ -341,7 +386,7 @@ impl<'f> Graph<'f> {
         }
     }
 
-    fn check_owner(&mut self, slot: &str, handle: &impl Handle) {
+    pub(super) fn check_owner(&mut self, slot: &str, handle: &impl Handle) {
         if handle.graph() != self.id {
             let allowed = format!("handles that `{}` gave", self.description.name);
             self.mistake(None, Some(slot), "is a handle of another graph".into(), allowed);

@@ -19,7 +19,27 @@ pub struct Description {
     pub passes: Vec<Pass>,
     /// Versions that must exist at the end of the frame.
     pub roots: Vec<Root>,
+    /// Where the host reads something before it goes on, in order: they take the frame apart into segments.
+    pub checkpoints: Vec<Checkpoint>,
 }
+
+/// Where the host reads a root before anything that was recorded later runs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Checkpoint {
+    /// For messages.
+    pub name: String,
+    /// Index into [`Description::roots`] of what is read: a read-back.
+    pub root: usize,
+    /// Passes recorded before it.
+    pub passes: usize,
+    /// Versions made before it.
+    pub versions: usize,
+    /// Resources made before it.
+    pub resources: usize,
+}
+
+/// Size of a buffer that a checkpoint will tell. Larger than any device has.
+pub const UNKNOWN_SIZE: u64 = 1 << 41;
 
 /// Index into [`Description::resources`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -85,6 +105,28 @@ pub enum Origin {
         /// State at the end of the frame.
         after: Option<Access>,
     },
+    /// Kept by whoever executes plans, from frame to frame or over a checkpoint. It comes from and goes back to the
+    /// graphics queue's family.
+    Kept {
+        /// States that its parts arrive in. A part that none of them names is idle and holds nothing.
+        before: Vec<State>,
+        /// State at the end, as for imported resources.
+        after: Option<Access>,
+        /// Whether what it holds at the end is needed: whoever writes that runs.
+        needed: bool,
+    },
+}
+
+/// State of a part of a resource between two plans.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct State {
+    /// The part.
+    pub range: Range,
+    /// Its last use, which the next one has to wait for: a write, or reads that the contents are visible to. No
+    /// stages: idle, and visible to everybody.
+    pub access: Access,
+    /// Whether it holds anything that may be read.
+    pub holds: bool,
 }
 
 /// Stages, access mask and layout: what a use needs, or what state a resource is in.
@@ -130,6 +172,42 @@ impl Range {
             }
             (Range::Buffer(a), Range::Buffer(b)) => Range::Buffer([a[0].min(b[0]), a[1].max(b[1])]),
             _ => self,
+        }
+    }
+
+    /// How much it holds: subresources (one aspect of one mip of one layer each), or bytes.
+    pub fn amount(&self) -> u64 {
+        match self {
+            Range::Image { aspects, mips, layers } => {
+                let count = |part: &[u32; 2]| u64::from(part[1].saturating_sub(part[0]));
+                u64::from(aspects.as_raw().count_ones()) * count(mips) * count(layers)
+            }
+            Range::Buffer([first, end]) => end.saturating_sub(*first),
+        }
+    }
+
+    /// Whether both hold some of the same.
+    pub fn overlaps(&self, other: &Range) -> bool {
+        let common = |a: [u32; 2], b: [u32; 2]| a[0] < b[1] && b[0] < a[1];
+        match (*self, *other) {
+            (Range::Buffer(a), Range::Buffer(b)) => a[0] < b[1] && b[0] < a[1],
+            (Range::Image { aspects, mips, layers }, Range::Image { aspects: a, mips: m, layers: l }) => {
+                aspects.intersects(a) && common(mips, m) && common(layers, l)
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether it holds something, all of it within another range of the same kind.
+    pub fn lies_in(&self, whole: &Range) -> bool {
+        match (*self, *whole) {
+            (Range::Buffer([first, end]), Range::Buffer([start, stop])) => start <= first && first < end && end <= stop,
+            (Range::Image { aspects, mips, layers }, Range::Image { aspects: all, mips: m, layers: l }) => {
+                let within =
+                    |part: [u32; 2], all: [u32; 2]| all[0] <= part[0] && part[0] < part[1] && part[1] <= all[1];
+                !aspects.is_empty() && all.contains(aspects) && within(mips, m) && within(layers, l)
+            }
+            _ => false,
         }
     }
 }
@@ -183,6 +261,17 @@ pub enum Source {
         /// All of them.
         of: Vec<VersionId>,
     },
+}
+
+impl Source {
+    /// The versions it is made from.
+    pub fn versions(&self) -> &[VersionId] {
+        match self {
+            Source::Initial => &[],
+            Source::Pass { from: of, .. } | Source::Split { of } | Source::Fork { of } => std::slice::from_ref(of),
+            Source::Join { of } => of,
+        }
+    }
 }
 
 /// A pass.

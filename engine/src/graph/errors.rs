@@ -72,6 +72,10 @@ pub enum ErrorKind {
     OverwrittenRoot,
     /// Passes that wait for one another in a circle.
     Cycle,
+    /// A checkpoint that cuts through a pass, or that somebody would have to look behind.
+    BadCheckpoint,
+    /// A history that is declared twice, written where it is to be read, or written in part.
+    History,
     /// A binding or an attachment that a shader lacks or that was left out, or a handle of another graph.
     Binding,
 }

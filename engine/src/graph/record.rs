@@ -131,18 +131,15 @@ fn push(device: &ash::Device, commands: vk::CommandBuffer, pipeline: &Pipeline, 
 pub(super) struct Batch {
     pub(super) memory: Vec<vk::MemoryBarrier2<'static>>,
     pub(super) images: Vec<vk::ImageMemoryBarrier2<'static>>,
-    pub(super) buffers: Vec<vk::BufferMemoryBarrier2<'static>>,
 }
 
 impl Batch {
     pub(super) fn record(&self, device: &ash::Device, commands: &Commands) {
-        if self.memory.is_empty() && self.images.is_empty() && self.buffers.is_empty() {
+        if self.memory.is_empty() && self.images.is_empty() {
             return;
         }
-        let dependency = vk::DependencyInfo::default()
-            .memory_barriers(&self.memory)
-            .image_memory_barriers(&self.images)
-            .buffer_memory_barriers(&self.buffers);
+        let dependency =
+            vk::DependencyInfo::default().memory_barriers(&self.memory).image_memory_barriers(&self.images);
         // SAFETY: see the module.
         unsafe { device.cmd_pipeline_barrier2(commands.raw(), &dependency) }
     }
@@ -237,6 +234,19 @@ pub(super) fn clear(
     unsafe { device.cmd_clear_color_image(commands.raw(), image.raw(), layout, &value, &[range]) }
 }
 
+pub(super) fn clear_depth(
+    device: &ash::Device,
+    commands: &Commands,
+    image: &Image,
+    range: vk::ImageSubresourceRange,
+    depth: f32,
+) {
+    let layout = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
+    let value = vk::ClearDepthStencilValue { depth, stencil: 0 };
+    // SAFETY: see the module.
+    unsafe { device.cmd_clear_depth_stencil_image(commands.raw(), image.raw(), layout, &value, &[range]) }
+}
+
 pub(super) fn copy_image(
     device: &ash::Device,
     commands: &Commands,
@@ -258,6 +268,28 @@ pub(super) fn copy_buffer(
 ) {
     // SAFETY: see the module.
     unsafe { device.cmd_copy_buffer(commands.raw(), from.raw(), to.raw(), &[region]) }
+}
+
+pub(super) fn begin_query(device: &ash::Device, commands: &Commands, pool: &QueryPool, precise: bool) {
+    let flags = if precise { vk::QueryControlFlags::PRECISE } else { vk::QueryControlFlags::empty() };
+    // SAFETY: see the module.
+    unsafe { device.cmd_begin_query(commands.raw(), pool.raw(), 0, flags) }
+}
+
+pub(super) fn end_query(device: &ash::Device, commands: &Commands, pool: &QueryPool) {
+    // SAFETY: see the module.
+    unsafe { device.cmd_end_query(commands.raw(), pool.raw(), 0) }
+}
+
+/// Everything recorded before is done, and seen by everything recorded after.
+pub(super) fn full_barrier(device: &ash::Device, commands: &Commands) {
+    let all = vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE;
+    let memory = vk::MemoryBarrier2::default()
+        .src_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
+        .src_access_mask(all)
+        .dst_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
+        .dst_access_mask(all);
+    Batch { memory: vec![memory], ..Batch::default() }.record(device, commands);
 }
 
 pub(super) fn timestamp(device: &ash::Device, commands: &Commands, pool: &QueryPool, index: u32) {

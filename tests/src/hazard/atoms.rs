@@ -1,7 +1,7 @@
 //! The smallest parts of resources: one aspect, mip and layer of an image; bytes of a buffer between two bounds.
 
 use ash::vk::ImageAspectFlags as Aspects;
-use shadowgraph::graph::description::{Description, Range, ResourceId, Shape};
+use shadowgraph::graph::description::{Description, Origin, Range, ResourceId, Shape};
 use shadowgraph::graph::plan::Plan;
 
 /// Numbers the parts of all resources.
@@ -18,12 +18,15 @@ enum Cut {
 }
 
 impl Atoms {
-    pub fn new(description: &Description, plan: &Plan) -> Self {
-        let all = plan.steps.iter().map(|step| &step.barriers).chain(plan.batches.iter().map(|batch| &batch.release));
-        let barriers = all.chain([&plan.finally]).flat_map(|barriers| &barriers.buffers);
-        let ranges: Vec<(ResourceId, Range)> = barriers
+    pub fn new(description: &Description, plans: &[&Plan]) -> Self {
+        let steps = plans.iter().flat_map(|plan| &plan.steps).map(|step| &step.barriers);
+        let batches = plans.iter().flat_map(|plan| &plan.batches).map(|batch| &batch.release);
+        let all = steps.chain(batches).chain(plans.iter().map(|plan| &plan.finally));
+        let ranges: Vec<(ResourceId, Range)> = all
+            .flat_map(|barriers| &barriers.buffers)
             .map(|barrier| (barrier.resource, barrier.range))
             .chain(description.versions.iter().map(|version| (version.resource, version.range)))
+            .chain(plans.iter().flat_map(|plan| &plan.ends).map(|end| (end.resource, end.state.range)))
             .collect();
         let mut atoms = Self { cuts: Vec::new(), resources: Vec::new() };
         for (index, resource) in description.resources.iter().enumerate() {
@@ -41,6 +44,13 @@ impl Atoms {
                     for (_, range) in ranges.iter().filter(|(other, _)| *other == id) {
                         if let Range::Buffer(bytes) = range {
                             bounds.extend(bytes);
+                        }
+                    }
+                    if let Origin::Kept { before, .. } = &resource.origin {
+                        for state in before {
+                            if let Range::Buffer(bytes) = state.range {
+                                bounds.extend(bytes);
+                            }
                         }
                     }
                     bounds.sort_unstable();
@@ -85,6 +95,20 @@ impl Atoms {
             _ => {}
         }
         atoms
+    }
+
+    /// Parts of `other`, of a resource of the same shape, that have something of a part of this.
+    pub fn same(&self, atom: usize, others: &Atoms, other: ResourceId) -> Vec<usize> {
+        let (first, cut) = &self.cuts[self.resource(atom).0 as usize];
+        let place = atom - first;
+        match (cut, &others.cuts[other.0 as usize]) {
+            (Cut::Buffer(bounds), (start, Cut::Buffer(old))) => {
+                let [from, to] = [bounds[place], bounds[place + 1]];
+                let common = old.windows(2).enumerate().filter(|(_, part)| part[0] < to && from < part[1]);
+                common.map(|(index, _)| start + index).collect()
+            }
+            (_, (start, _)) => vec![start + place],
+        }
     }
 
     /// All parts of a resource.

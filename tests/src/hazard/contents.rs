@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use ash::vk::ImageLayout;
-use shadowgraph::graph::description::{Description, Origin, Shape, Source, VersionId};
+use shadowgraph::graph::description::{Description, Origin, ResourceId, Shape, Source, State, VersionId};
 
 use super::atoms::Atoms;
 
@@ -30,6 +30,11 @@ pub fn contents(description: &Description, atoms: &Atoms, version: VersionId, at
                     Contents::Nothing
                 }
                 (Origin::Imported { .. }, _) => Contents::Arrived,
+                (Origin::Kept { before, .. }, _) => {
+                    let here = |state: &&State| atoms.of(known.resource, &state.range).contains(&atom);
+                    let holds = before.iter().find(here).is_some_and(|state| state.holds);
+                    if holds { Contents::Arrived } else { Contents::Nothing }
+                }
             }
         }
         Source::Pass { .. } => Contents::Written(BTreeSet::from([version])),
@@ -47,6 +52,14 @@ pub fn contents(description: &Description, atoms: &Atoms, version: VersionId, at
             Contents::Written(written.into_iter().copied().collect())
         }
     }
+}
+
+/// Versions of a resource that no other version is made from: what it holds after all passes.
+pub fn last_versions(description: &Description, resource: ResourceId) -> Vec<VersionId> {
+    let ids = (0..description.versions.len() as u32).map(VersionId);
+    let mine = ids.filter(|id| description.versions[id.0 as usize].resource == resource);
+    let replaced = |id: &VersionId| description.versions.iter().any(|version| version.source.versions().contains(id));
+    mine.filter(|id| !replaced(id)).collect()
 }
 
 /// What an unordered writer that makes this version started from.

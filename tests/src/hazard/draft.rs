@@ -3,8 +3,8 @@
 use ash::vk;
 use shadowgraph::graph::ImageShape;
 use shadowgraph::graph::description::{
-    Access, Description, Origin, Pass, PassId, Queue, Range, Resource, ResourceId, Root, Shape, Source, Use, Version,
-    VersionId,
+    Access, Checkpoint, Description, Origin, Pass, PassId, Queue, Range, Resource, ResourceId, Root, Shape, Source,
+    Use, Version, VersionId,
 };
 
 /// A description being written.
@@ -90,6 +90,19 @@ impl Draft {
     /// A root whose bytes are copied to the host.
     pub fn capture(&mut self, name: &str, version: VersionId) {
         self.description.roots.push(Root { name: name.into(), version, read_back: true });
+    }
+
+    /// The host reads a version before anything that is written from here on.
+    pub fn checkpoint(&mut self, name: &str, version: VersionId) {
+        let root = self.description.roots.len();
+        self.capture(&format!("checkpoint {name}"), version);
+        self.description.checkpoints.push(Checkpoint {
+            name: name.into(),
+            root,
+            passes: self.description.passes.len(),
+            versions: self.description.versions.len(),
+            resources: self.description.resources.len(),
+        });
     }
 
     /// A root that stays where it is.

@@ -3,7 +3,9 @@
 use ash::vk::{self, ImageAspectFlags as Aspects, PipelineStageFlags2 as Stages};
 use proptest::prelude::*;
 use shadowgraph::graph::ImageShape;
-use shadowgraph::graph::description::{Access, Description, Origin, Queue, Range, Shape, Source, VersionId};
+use shadowgraph::graph::description::{
+    Access, Description, Origin, Queue, Range, ResourceId, Shape, Source, VersionId,
+};
 
 use super::{Draft, MadeUpDevice};
 
@@ -48,8 +50,8 @@ struct Parts {
     shape: Shape,
 }
 
-struct Maker {
-    draft: Draft,
+pub(super) struct Maker {
+    pub(super) draft: Draft,
     parts: Vec<Parts>,
     /// Versions that hold something, for late reads and for roots.
     written: Vec<VersionId>,
@@ -77,17 +79,23 @@ impl Recipe {
 
     /// The description.
     pub fn description(&self) -> Description {
-        let (parts, written) = (Vec::new(), Vec::new());
-        let mut maker = Maker { draft: Draft::new("random"), parts, written, passes: 0 };
+        let mut maker = Maker::new();
         self.resources.iter().for_each(|choices| maker.resource(*choices));
-        for (kind, uses) in &self.passes {
-            match kind % 16 {
-                0..=9 => maker.pass(*kind, uses),
-                10 | 11 => maker.split(uses[0]),
-                12 => maker.join(uses[0]),
-                13 => maker.forks(uses),
-                14 => maker.late_read(uses[0]),
-                _ => maker.side_effect(uses[0]),
+        self.passes.iter().for_each(|(kind, uses)| maker.step(*kind, uses));
+        maker.roots(&self.roots);
+        maker.draft.description
+    }
+}
+
+impl Recipe {
+    /// The description, with a checkpoint behind some of its passes.
+    pub fn description_with_checkpoints(&self, choices: &[u8]) -> Description {
+        let mut maker = Maker::new();
+        self.resources.iter().for_each(|choices| maker.resource(*choices));
+        for (index, (kind, uses)) in self.passes.iter().enumerate() {
+            maker.step(*kind, uses);
+            if let Some(choice) = choices.iter().find(|choice| usize::from(**choice) % self.passes.len() == index) {
+                maker.checkpoint(*choice);
             }
         }
         maker.roots(&self.roots);
@@ -98,34 +106,27 @@ impl Recipe {
 const QUEUES: [Queue; 4] = [Queue::Graphics, Queue::Graphics, Queue::Compute, Queue::Transfer];
 
 impl Maker {
-    fn resource(&mut self, [kind, size, cut, import]: [u8; 4]) {
-        let format = match kind % 8 {
-            0 | 1 => Some(vk::Format::R8G8B8A8_UNORM),
-            2 => Some(vk::Format::R32_UINT),
-            3 => Some(vk::Format::D32_SFLOAT),
-            4 => Some(vk::Format::D32_SFLOAT_S8_UINT),
-            _ => None,
-        };
-        let shape = match format {
-            Some(format) => {
-                let extent = [8 << (size % 4), 8 << (size / 4 % 3), 1];
-                let (mips, layers) = (1 + u32::from(cut % 3), 1 + u32::from(cut / 3 % 3));
-                Shape::Image(ImageShape { format, extent, mips, layers, samples: 1 })
-            }
-            None => Shape::Buffer { size: 16 + 64 * u64::from(size) },
-        };
+    pub(super) fn new() -> Self {
+        Self { draft: Draft::new("random"), parts: Vec::new(), written: Vec::new(), passes: 0 }
+    }
+
+    pub(super) fn step(&mut self, kind: u8, uses: &[[u8; 5]]) {
+        match kind % 16 {
+            0..=9 => self.pass(kind, uses),
+            10 | 11 => self.split(uses[0]),
+            12 => self.join(uses[0]),
+            13 => self.forks(uses),
+            14 => self.late_read(uses[0]),
+            _ => self.side_effect(uses[0]),
+        }
+    }
+
+    pub(super) fn resource(&mut self, [kind, size, cut, import]: [u8; 4]) {
+        let shape = shape([kind, size, cut]);
         let is_image = matches!(shape, Shape::Image(_));
-        let state = |choice: u8| match (choice % 4, is_image) {
-            (0, true) => Access::storage_image_read_write(Stages::COMPUTE_SHADER),
-            (1, true) => Access::sampled(Stages::FRAGMENT_SHADER),
-            (2, true) => Access::transfer_write(),
-            (0, false) => Access::storage_buffer_read_write(Stages::COMPUTE_SHADER),
-            (1, false) => Access::uniform(Stages::VERTEX_SHADER),
-            (2, false) => Access::transfer_write(),
-            _ => Access::NONE,
-        };
         let origin = match import % 4 {
             0 => {
+                let state = |choice| state(choice, is_image);
                 let after = Some(state(import >> 4)).filter(|after| import & 64 != 0 && *after != Access::NONE);
                 Origin::Imported { before: state(import >> 2), after }
             }
@@ -133,11 +134,17 @@ impl Maker {
         };
         let holds = matches!(origin, Origin::Imported { before, .. } if before.has_contents(&shape));
         let name = format!("r{}", self.draft.description.resources.len());
-        let first = self.draft.resource(&name, shape.clone(), origin);
+        self.add(&name, shape, origin, holds);
+    }
+
+    /// A resource whose first version `holds` something or nothing.
+    pub(super) fn add(&mut self, name: &str, shape: Shape, origin: Origin, holds: bool) -> ResourceId {
+        let first = self.draft.resource(name, shape.clone(), origin);
         if holds {
             self.written.push(first);
         }
         self.parts.push(Parts { heads: vec![first], shape });
+        self.draft.description.versions[first.0 as usize].resource
     }
 
     fn name(&mut self) -> String {
@@ -195,6 +202,18 @@ impl Maker {
             self.parts[resource].heads[part] = version;
             self.written.push(version);
         }
+    }
+
+    /// The host reads a version that holds something. From here on nobody reads what was written over before.
+    fn checkpoint(&mut self, choice: u8) {
+        if self.written.is_empty() {
+            return;
+        }
+        let version = self.written[usize::from(choice / 3) % self.written.len()];
+        let name = format!("c{}", self.draft.description.checkpoints.len());
+        self.draft.checkpoint(&name, version);
+        let heads: Vec<VersionId> = self.parts.iter().flat_map(|parts| &parts.heads).copied().collect();
+        self.written.retain(|version| heads.contains(version));
     }
 
     /// Takes a head apart.
@@ -310,7 +329,7 @@ impl Maker {
     }
 
     /// Captures of any version, and heads that are kept.
-    fn roots(&mut self, roots: &[[u8; 2]]) {
+    pub(super) fn roots(&mut self, roots: &[[u8; 2]]) {
         for (index, &[which, keep]) in roots.iter().enumerate() {
             let heads: Vec<VersionId> = self.parts.iter().flat_map(|parts| &parts.heads).copied().collect();
             let kept: Vec<VersionId> = heads.into_iter().filter(|head| self.written.contains(head)).collect();
@@ -323,6 +342,38 @@ impl Maker {
                 self.draft.capture(&name, self.written[self.written.len() - 1 - back]);
             }
         }
+    }
+}
+
+/// A small image or buffer.
+pub(super) fn shape([kind, size, cut]: [u8; 3]) -> Shape {
+    let format = match kind % 8 {
+        0 | 1 => Some(vk::Format::R8G8B8A8_UNORM),
+        2 => Some(vk::Format::R32_UINT),
+        3 => Some(vk::Format::D32_SFLOAT),
+        4 => Some(vk::Format::D32_SFLOAT_S8_UINT),
+        _ => None,
+    };
+    match format {
+        Some(format) => {
+            let extent = [8 << (size % 4), 8 << (size / 4 % 3), 1];
+            let (mips, layers) = (1 + u32::from(cut % 3), 1 + u32::from(cut / 3 % 3));
+            Shape::Image(ImageShape { format, extent, mips, layers, samples: 1 })
+        }
+        None => Shape::Buffer { size: 16 + 64 * u64::from(size) },
+    }
+}
+
+/// A state that a resource arrives or is left in.
+pub(super) fn state(choice: u8, is_image: bool) -> Access {
+    match (choice % 4, is_image) {
+        (0, true) => Access::storage_image_read_write(Stages::COMPUTE_SHADER),
+        (1, true) => Access::sampled(Stages::FRAGMENT_SHADER),
+        (2, true) => Access::transfer_write(),
+        (0, false) => Access::storage_buffer_read_write(Stages::COMPUTE_SHADER),
+        (1, false) => Access::uniform(Stages::VERTEX_SHADER),
+        (2, false) => Access::transfer_write(),
+        _ => Access::NONE,
     }
 }
 

@@ -24,7 +24,7 @@ struct State {
 /// Calls of `vkCmdPipelineBarrier2` that it takes for the steps of a plan for one queue, in their order and with their
 /// memory.
 pub fn greedy_calls(description: &Description, plan: &Plan, device: &dyn DeviceModel) -> usize {
-    let atoms = Atoms::new(description, plan);
+    let atoms = Atoms::new(description, &[plan]);
     let sharers = sharers(description, plan, device.granularity());
     let mut states: Vec<State> = (0..atoms.len()).map(|atom| arrival(description, &atoms, atom)).collect();
     let mut calls = 0;
@@ -55,6 +55,8 @@ pub fn greedy_calls(description: &Description, plan: &Plan, device: &dyn DeviceM
 fn arrival(description: &Description, atoms: &Atoms, atom: usize) -> State {
     match &description.resources[atoms.resource(atom).0 as usize].origin {
         Origin::Transient => State::default(),
+        // Random graphs keep nothing from frame to frame where calls are counted.
+        Origin::Kept { .. } => State::default(),
         Origin::Imported { before, .. } => State {
             layout: before.layout,
             used: !before.stages.is_empty(),

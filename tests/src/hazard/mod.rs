@@ -12,6 +12,8 @@
 //! - the image is in the layout that the access says, and the resource belongs to the queue's family;
 //! - what is read is what the version asked for holds: the writes of those passes and no others.
 //!
+//! [`check_frames`] does so for frames in a row, [`check_segments`] for a frame with checkpoints.
+//!
 //! Why an execution dependency is enough for a write after a read, although the write before the read is not made
 //! visible to the second write: it is available and ordered, and visibility matters to reads alone. That is the view
 //! of synchronisation validation, and of the examples of the specification's authors.
@@ -20,8 +22,10 @@ mod atoms;
 mod contents;
 mod device;
 mod draft;
+mod frames;
 mod generate;
 mod greedy;
+mod histories;
 mod memory;
 mod part;
 mod record;
@@ -30,6 +34,7 @@ mod rules;
 
 pub use device::MadeUpDevice;
 pub use draft::{Draft, PassDraft};
+pub use frames::{Frame, check_frames, check_segments};
 pub use generate::{Recipe, recipes};
 pub use greedy::greedy_calls;
 pub use replay::check;

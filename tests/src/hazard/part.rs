@@ -1,7 +1,7 @@
 //! The state of one part of a resource.
 
 use ash::vk::ImageLayout as Layout;
-use shadowgraph::graph::description::{Description, Origin, Queue, Shape};
+use shadowgraph::graph::description::{Description, Origin, Queue, Shape, State};
 use shadowgraph::graph::plan::{DeviceModel, Ownership};
 
 use super::atoms::Atoms;
@@ -33,15 +33,23 @@ pub fn arrival(description: &Description, atoms: &Atoms, device: &dyn DeviceMode
         contents: Contents::Nothing,
         written: 0,
     };
-    if let Origin::Imported { before, .. } = &resource.origin {
-        let is_image = matches!(resource.shape, Shape::Image(_));
+    let is_image = matches!(resource.shape, Shape::Image(_));
+    let state = match &resource.origin {
+        Origin::Transient => None,
+        Origin::Imported { before, .. } => Some((*before, !is_image || before.layout != Layout::UNDEFINED)),
+        Origin::Kept { before, .. } => {
+            let here = |state: &&State| atoms.of(atoms.resource(atom), &state.range).contains(&atom);
+            before.iter().find(here).map(|state| (state.access, state.holds))
+        }
+    };
+    if let Some((before, holds)) = state {
         part.layout = if is_image { before.layout } else { Layout::UNDEFINED };
-        if !is_image || before.layout != Layout::UNDEFINED {
+        part.owner = device.family(Queue::Graphics).filter(|_| holds || !before.stages.is_empty());
+        if holds {
             part.contents = Contents::Arrived;
-            part.owner = device.family(Queue::Graphics);
         }
         if before.writes().is_empty() && !before.stages.is_empty() {
-            part.records.push(Record::arrived(before));
+            part.records.push(Record::arrived(&before));
         }
         let kind = if before.writes().is_empty() { Kind::Read } else { Kind::Write };
         for stage in each(single(before.stages)) {

@@ -194,6 +194,12 @@ impl Record {
         self.available[queue as usize] & stage == stage
     }
 
+    /// The record as the next frame finds it: counts of submissions begin anew.
+    pub fn of_the_frame_before(&self) -> Self {
+        let since = self.since.map(|since| since.map(|_| 0));
+        Self { batch: 0, since, ..self.clone() }
+    }
+
     /// Whether a queue knows of it at all.
     pub fn is_known(&self, queue: Queue) -> bool {
         self.queue == queue || self.since[queue as usize].is_some()

@@ -7,49 +7,73 @@ use shadowgraph::graph::description::{
 use shadowgraph::graph::plan::{Barriers, DeviceModel, Plan, Work};
 
 use super::atoms::Atoms;
-use super::contents::{Contents, contents, forked_from};
+use super::contents::{Contents, contents, forked_from, last_versions};
 use super::memory;
 use super::part::{Part, arrival};
 use super::record::{Kind, Record, Scopes, each, single};
 use super::rules::{Effect, apply, conflict, foreign_conflict, kind};
 
-struct Replay<'a> {
-    description: &'a Description,
+pub(super) struct Replay<'a> {
+    pub(super) description: &'a Description,
     plan: &'a Plan,
     device: &'a dyn DeviceModel,
-    atoms: Atoms,
-    parts: Vec<Part>,
+    pub(super) atoms: Atoms,
+    pub(super) parts: Vec<Part>,
     sharers: Vec<Vec<ResourceId>>,
     /// By root: the copy's record in host memory.
     copies: Vec<Option<Record>>,
     /// How many writes there were.
     writes: usize,
-    errors: Vec<String>,
+    pub(super) errors: Vec<String>,
 }
 
 /// Everything that is wrong with a plan for a description that is right.
 pub fn check(description: &Description, plan: &Plan, device: &dyn DeviceModel) -> Vec<String> {
-    let atoms = Atoms::new(description, plan);
-    let mut errors = Vec::new();
-    memory::placements(description, plan, device, &mut errors);
-    let mut replay = Replay {
-        sharers: memory::sharers(description, plan, device.granularity()),
-        parts: (0..atoms.len()).map(|atom| arrival(description, &atoms, device, atom)).collect(),
-        copies: vec![None; description.roots.len()],
-        writes: 0,
-        description,
-        plan,
-        device,
-        atoms,
-        errors,
-    };
-    replay.completeness();
-    replay.batches();
-    replay.end();
+    let mut replay = Replay::new(description, plan, device);
+    replay.run();
     replay.errors
 }
 
-impl Replay<'_> {
+impl<'a> Replay<'a> {
+    pub(super) fn new(description: &'a Description, plan: &'a Plan, device: &'a dyn DeviceModel) -> Self {
+        let mut replay = Self::over(description, &[plan], device);
+        memory::placements(description, plan, device, &mut replay.errors);
+        replay.begin(plan);
+        replay
+    }
+
+    /// Over several plans in a row; [`Replay::begin`] takes each.
+    pub(super) fn over(description: &'a Description, plans: &[&'a Plan], device: &'a dyn DeviceModel) -> Self {
+        let atoms = Atoms::new(description, plans);
+        Self {
+            sharers: Vec::new(),
+            parts: (0..atoms.len()).map(|atom| arrival(description, &atoms, device, atom)).collect(),
+            copies: vec![None; description.roots.len()],
+            writes: 0,
+            description,
+            plan: plans[0],
+            device,
+            atoms,
+            errors: Vec::new(),
+        }
+    }
+
+    /// Takes a plan up, behind what was replayed so far.
+    pub(super) fn begin(&mut self, plan: &'a Plan) {
+        self.plan = plan;
+        self.sharers = memory::sharers(self.description, plan, self.device.granularity());
+        for record in self.parts.iter_mut().flat_map(|part| &mut part.records) {
+            *record = record.of_the_frame_before();
+        }
+    }
+
+    pub(super) fn run(&mut self) {
+        self.completeness(&[self.plan]);
+        self.batches();
+        self.settle();
+        self.end();
+    }
+
     fn name(&self, resource: ResourceId) -> &str {
         &self.description.resources[resource.0 as usize].name
     }
@@ -59,30 +83,33 @@ impl Replay<'_> {
     }
 
     /// Every pass runs once or is culled, every read-back runs once, every step is in one batch, in order.
-    fn completeness(&mut self) {
+    pub(super) fn completeness(&mut self, plans: &[&Plan]) {
+        let culled = |pass| plans.iter().flat_map(|plan| &plan.culled).any(|(culled, _)| *culled == pass);
         let mut expected: Vec<Work> = (0..self.description.passes.len() as u32)
             .map(shadowgraph::graph::description::PassId)
-            .filter(|pass| !self.plan.culled.iter().any(|(culled, _)| culled == pass))
+            .filter(|pass| !culled(*pass))
             .map(Work::Pass)
             .collect();
         let roots = self.description.roots.iter().enumerate();
         expected.extend(roots.filter(|(_, root)| root.read_back).map(|(index, _)| Work::ReadBack(index)));
-        let mut found: Vec<Work> = self.plan.steps.iter().map(|step| step.work).collect();
+        let mut found: Vec<Work> = plans.iter().flat_map(|plan| &plan.steps).map(|step| step.work).collect();
         found.sort_unstable();
         if found != expected {
             self.errors.push(format!("steps are {found:?}, expected {expected:?}"));
         }
-        let mut steps: Vec<usize> = self.plan.batches.iter().flat_map(|batch| batch.steps.clone()).collect();
-        steps.sort_unstable();
-        if steps != (0..self.plan.steps.len()).collect::<Vec<_>>() {
-            self.errors.push(format!("batches hold steps {steps:?}"));
-        }
-        if self.plan.batches.last().is_none_or(|batch| batch.queue != Queue::Graphics) {
-            self.errors.push("the last batch is not on graphics".into());
+        for plan in plans {
+            let mut steps: Vec<usize> = plan.batches.iter().flat_map(|batch| batch.steps.clone()).collect();
+            steps.sort_unstable();
+            if steps != (0..plan.steps.len()).collect::<Vec<_>>() {
+                self.errors.push(format!("batches hold steps {steps:?}"));
+            }
+            if plan.batches.last().is_none_or(|batch| batch.queue != Queue::Graphics) {
+                self.errors.push("the last batch is not on graphics".into());
+            }
         }
     }
 
-    fn batches(&mut self) {
+    pub(super) fn batches(&mut self) {
         let plan = self.plan;
         let mut signalled = [0; 3];
         for batch in &plan.batches {
@@ -392,11 +419,14 @@ impl Replay<'_> {
     }
 
     /// The state after the frame.
-    fn end(&mut self) {
+    pub(super) fn end(&mut self) {
         let description = self.description;
         let mut wrong = Vec::new();
         for (index, resource) in description.resources.iter().enumerate() {
-            let Origin::Imported { after, .. } = resource.origin else { continue };
+            let after = match resource.origin {
+                Origin::Transient => continue,
+                Origin::Imported { after, .. } | Origin::Kept { after, .. } => after,
+            };
             let name = &resource.name;
             for part in self.atoms.all(ResourceId(index as u32)).map(|atom| &self.parts[atom]) {
                 if part.released.is_some() || part.owner.is_some_and(|o| Some(o) != self.device.family(Queue::Graphics))
@@ -404,6 +434,10 @@ impl Replay<'_> {
                     wrong.push(format!("`{name}` is not given back to graphics"));
                 }
                 let Some(after) = after else { continue };
+                let unused = part.records.is_empty() && part.contents == Contents::Nothing;
+                if unused && matches!(resource.origin, Origin::Kept { .. }) {
+                    continue;
+                }
                 if matches!(resource.shape, Shape::Image(_)) && part.layout != after.layout {
                     wrong.push(format!("`{name}` is left in layout {:?}, not {:?}", part.layout, after.layout));
                 }
@@ -416,6 +450,19 @@ impl Replay<'_> {
                 }
             }
         }
+        for (index, resource) in description.resources.iter().enumerate() {
+            if !matches!(resource.origin, Origin::Kept { needed: true, .. }) {
+                continue;
+            }
+            for version in last_versions(description, ResourceId(index as u32)) {
+                for atom in self.atoms.of(ResourceId(index as u32), &description.versions[version.0 as usize].range) {
+                    let part = &self.parts[atom];
+                    if part.contents != contents(description, &self.atoms, version, atom) {
+                        wrong.push(format!("what is needed of `{}` is gone: {:?}", resource.name, part.contents));
+                    }
+                }
+            }
+        }
         for root in description.roots.iter().filter(|root| !root.read_back) {
             let Version { resource, range, .. } = description.versions[root.version.0 as usize];
             for atom in self.atoms.of(resource, &range) {
@@ -424,6 +471,12 @@ impl Replay<'_> {
                 }
             }
         }
+        self.errors.extend(wrong);
+    }
+
+    /// The host reads what was copied for it, and nothing still runs.
+    pub(super) fn settle(&mut self) {
+        let mut wrong = Vec::new();
         for copy in self.copies.iter().flatten() {
             if !copy.is_before(Queue::Graphics, Stages::HOST.as_raw())
                 || !copy.is_visible(Queue::Graphics, Stages::HOST.as_raw(), Mask::HOST_READ)

@@ -1,5 +1,5 @@
 //! What the tests of graph errors share.
-#![allow(missing_docs, clippy::unwrap_used)]
+#![allow(dead_code, missing_docs, clippy::unwrap_used)]
 
 use ash::vk::PipelineStageFlags2 as Stages;
 use shadowgraph::graph::ErrorKind;

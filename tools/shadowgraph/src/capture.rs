@@ -2,6 +2,8 @@
 
 use std::fs;
 use std::path::Path;
+use std::thread;
+use std::time::Instant;
 
 use shadowgraph::capture::{
     CapturedFrame, ExrOptions, FrameCapture, PngOptions, auto_exposure, picture, write_exr, write_png,
@@ -11,7 +13,8 @@ use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::{Executed, Executor, Graph};
 use shadowgraph::scene::{Camera, GpuScene};
 
-use crate::cli::CaptureArguments;
+use crate::cli::{CaptureArguments, DebugArguments};
+use crate::debug;
 use crate::failure::{Failure, Result};
 use crate::output::print;
 use crate::phases::{Phases, Start};
@@ -22,10 +25,20 @@ use crate::view;
 pub fn run(arguments: &CaptureArguments, start: Start) -> Result<()> {
     check_names(arguments)?;
     let mut phases = Phases::new(start);
-    // 1. The scene first: where it is bad, no device is needed to say so.
-    let scene = phases.time("loading", || session::load(&arguments.frame))?;
+    // 1. The scene, and the device meanwhile. Where the scene is bad, that is what there is to say.
+    let (scene, gpu) = thread::scope(|scope| {
+        let device = scope.spawn(|| {
+            let began = Instant::now();
+            (session::open(&arguments.frame.device), began.elapsed())
+        });
+        let scene = phases.time("loading", || session::load(&arguments.frame));
+        let (gpu, time) = device.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        phases.add("device", time);
+        (scene, gpu)
+    });
+    let scene = scene?;
     let camera = view::camera(&arguments.frame, &scene)?;
-    let gpu = phases.time("device", || session::open(&arguments.frame.device))?;
+    let gpu = gpu?;
     // 2. All that holds on to the device goes before the device.
     let told = phases.time("loading", || scene.upload(&gpu)).map_err(Failure::from);
     let told = told.and_then(|scene| render_and_write(arguments, &gpu, &scene, &camera, &mut phases));
@@ -71,11 +84,10 @@ fn render_and_write(
         names.push("color".into());
     }
     let mut executor = Executor::new(gpu);
-    let (mut frame, executed) = if arguments.phases {
-        render_twice(&mut executor, gpu, scene, &settings, phases)?
-    } else {
-        phases.time("rendering", || render(&mut executor, gpu, scene, &settings))?
-    };
+    executor.serialize(arguments.debug.serialize);
+    let once = || render(&mut executor, gpu, scene, &settings, &arguments.debug);
+    let (mut frame, executed) =
+        if arguments.phases { render_twice(once, phases)? } else { phases.time("rendering", once)? };
     for warning in &frame.warnings {
         log::warn!("{}: {warning}", arguments.frame.scene);
     }
@@ -109,36 +121,38 @@ fn render_and_write(
         told.push(summary(path, &captured)?);
     }
     told.extend(arguments.png.iter().map(|path| format!("wrote {}", path.display())));
+    if let Some(path) = arguments.output.as_ref().or(arguments.png.as_ref()) {
+        told.extend(phases.time("writing", || debug::write(&arguments.debug, &executed, path))?);
+    }
     Ok(told)
 }
 
-fn render(executor: &mut Executor, gpu: &Gpu, scene: &GpuScene, settings: &FrameSettings) -> Result<(Frame, Executed)> {
+fn render(
+    executor: &mut Executor,
+    gpu: &Gpu,
+    scene: &GpuScene,
+    settings: &FrameSettings,
+    debugging: &DebugArguments,
+) -> Result<(Frame, Executed)> {
     let mut graph = Graph::new("frame", gpu.caps());
     let frame = session::record(settings, &mut graph, scene)?;
+    debug::prepare(debugging, &mut graph)?;
     let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
     let executed = executor.execute(&plan, graph)?;
     Ok((frame, executed))
 }
 
 /// The driver compiles shaders at their first draw: what the first frame takes more than the second.
-fn render_twice(
-    executor: &mut Executor,
-    gpu: &Gpu,
-    scene: &GpuScene,
-    settings: &FrameSettings,
-    phases: &mut Phases,
-) -> Result<(Frame, Executed)> {
-    let mut both = Vec::with_capacity(2);
-    for _ in 0..2 {
-        let began = std::time::Instant::now();
-        let rendered = render(executor, gpu, scene, settings)?;
-        both.push((began.elapsed(), rendered));
-    }
-    let times: Vec<_> = both.iter().map(|(time, _)| *time).collect();
-    phases.add("first-draw compilation", times[0].saturating_sub(times[1]));
-    phases.add("rendering", times[1]);
-    let last = both.pop().ok_or_else(|| Failure::failed("no frame was rendered"))?;
-    Ok(last.1)
+fn render_twice<T>(mut render: impl FnMut() -> Result<T>, phases: &mut Phases) -> Result<T> {
+    let mut timed = || {
+        let began = Instant::now();
+        render().map(|rendered| (began.elapsed(), rendered))
+    };
+    let (first, _) = timed()?;
+    let (second, rendered) = timed()?;
+    phases.add("first-draw compilation", first.saturating_sub(second));
+    phases.add("rendering", second);
+    Ok(rendered)
 }
 
 /// Half-floats that could not hold their value are not lost in silence.

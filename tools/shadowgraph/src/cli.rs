@@ -106,6 +106,20 @@ pub struct FrameArguments {
     pub device: DeviceArguments,
 }
 
+/// Ways to look into a frame.
+#[derive(Args, Clone, Debug, Default)]
+pub struct DebugArguments {
+    /// Put a full barrier before every pass: where that changes the picture, a barrier is missing
+    #[arg(long, help_heading = "Debugging")]
+    pub serialize: bool,
+    /// Leave a pass out: what it would have written is zero. `shadowgraph graph` lists the passes; may be repeated
+    #[arg(long, value_name = "PASS", help_heading = "Debugging")]
+    pub without: Vec<String>,
+    /// Write what a resource holds right after a pass to a NumPy array beside the output; may be repeated
+    #[arg(long, value_name = "PASS:RESOURCE", help_heading = "Debugging")]
+    pub dump: Vec<String>,
+}
+
 /// Arguments of `capture`.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "\
@@ -135,6 +149,9 @@ pub struct CaptureArguments {
     /// Compression of the OpenEXR file, lossless all: none, rle, zips, zip, piz
     #[arg(long, value_name = "KIND", default_value = "zip")]
     pub compression: Compression,
+    /// Debugging
+    #[command(flatten)]
+    pub debug: DebugArguments,
     /// For `bench capture`: render twice and print a line of JSON with the time of each phase
     #[arg(long, hide = true)]
     pub phases: bool,

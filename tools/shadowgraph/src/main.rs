@@ -6,6 +6,7 @@ mod bench;
 mod cache;
 mod capture;
 mod cli;
+mod debug;
 mod failure;
 mod graph;
 mod info;

@@ -222,6 +222,46 @@ fn what_half_floats_cannot_hold_is_told() {
 }
 
 #[test]
+fn frames_are_looked_into() {
+    let folder = tempfile::tempdir().unwrap();
+    let capture = |name: &str, more: &[&str]| {
+        let layers = ["--layers", "albedo,Z", "--float", "--reproducible"];
+        let first = ["capture", "builtin:cornell", "--size", "32x16", "-o", name];
+        stdout(&succeeds(&folder, &[&first[..], &layers, more].concat()));
+        channels(&open(&folder, name))
+    };
+    let plain = capture("plain.exr", &[]);
+    assert_eq!(capture("serialized.exr", &["--serialize"]), plain);
+    let without = capture("without.exr", &["--without", "gbuffer", "--dump", "gbuffer:depth"]);
+    assert_ne!(without, plain);
+    let FlatSamples::F32(albedo) = &without["albedo.R"] else { panic!("{:?}", without["albedo.R"]) };
+    assert!(albedo.iter().all(|value| *value == 0.0));
+
+    // The depth that the pass leaves, as an array of 1 layer, 16 rows, 32 columns, 1 component.
+    capture("dump.exr", &["--dump", "gbuffer:depth"]);
+    let array = fs::read(folder.path().join("dump.gbuffer.depth.npy")).unwrap();
+    let header = String::from_utf8_lossy(&array[10..128]).into_owned();
+    assert!(header.contains("'<f4'") && header.contains("(1, 16, 32, 1)"), "{header}");
+    let values = array[array.len() - 4 * 16 * 32..].chunks_exact(4);
+    let depth: Vec<f32> = values.map(|bytes| f32::from_le_bytes(bytes.try_into().unwrap())).collect();
+    // Reversed depth: what is there is greater than 0, and farther where it is less.
+    let FlatSamples::F32(distance) = &plain["Z"] else { panic!("{:?}", plain["Z"]) };
+    for (depth, distance) in depth.iter().zip(distance) {
+        assert_eq!(*depth > 0.0, distance.is_finite(), "{depth} at {distance} m");
+    }
+    assert!(depth.iter().any(|depth| *depth > 0.0));
+    assert!(folder.path().join("without.gbuffer.depth.npy").exists());
+
+    for (option, value, told) in [
+        ("--without", "nothing", "pass `nothing`: there are"),
+        ("--dump", "gbuffer", "it is PASS:RESOURCE"),
+        ("--dump", "gbuffer:nothing", "resource `nothing`: there are"),
+    ] {
+        is_refused(&["capture", "builtin:cornell", "--size", "32x16", "-o", "out.exr", option, value], told);
+    }
+}
+
+#[test]
 fn graphs_are_printed() {
     let folder = tempfile::tempdir().unwrap();
     let dot = stdout(&succeeds(&folder, &["graph", "builtin:cornell", "--size", "64x36"]));

@@ -33,7 +33,7 @@ pub(super) fn plan(capture: &Capture, compression: Compression) -> Result<Vec<Bl
     let mut blocks = Vec::new();
     for (index, part) in capture.parts.iter().enumerate() {
         let row: usize =
-            part.channels.iter().map(|channel| part.size[0] as usize * channel.samples.bytes_per_sample()).sum();
+            part.channels.iter().map(|channel| part.size[0] as usize * channel.content.bytes_per_sample()).sum();
         if row.saturating_mul(lines_per_chunk) > i32::MAX as usize {
             let why = format!("{lines_per_chunk} scan lines exceed OpenEXR's 2 GiB; another compression takes fewer");
             return Err(Error::invalid(format!("part {:?}", part.name), why));

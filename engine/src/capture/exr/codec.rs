@@ -10,7 +10,8 @@ use exr::meta::header::Header;
 use zlib_rs::{Deflate, DeflateFlush, Status};
 
 use super::{Compression, header, to_io};
-use crate::capture::{Channel, Part, Samples};
+use crate::capture::content::Row;
+use crate::capture::{Channel, Part};
 
 impl Compression {
     pub(super) fn in_file(self) -> InFile {
@@ -53,7 +54,7 @@ impl<'a> PartCodec<'a> {
         let channels = header::sorted(part);
         Self {
             width: size.0,
-            bytes_per_pixel: channels.iter().map(|channel| channel.samples.bytes_per_sample()).sum(),
+            bytes_per_pixel: channels.iter().map(|channel| channel.content.bytes_per_sample()).sum(),
             channels,
             header: Header::new("".into(), size, header::channel_list(part).list).with_encoding(
                 compression.in_file(),
@@ -85,18 +86,18 @@ impl<'a> Codec<'a> {
     /// as they are, which readers tell by the size.
     pub(super) fn append(&mut self, lines: [usize; 2], out: &mut Vec<u8>) -> io::Result<()> {
         match self.compression {
-            Compression::None => self.part.append_raw(lines, out),
+            Compression::None => self.part.append_raw(lines, out)?,
             Compression::Zip | Compression::Zips => {
-                self.part.separate(lines, &mut self.separated);
+                self.part.separate(lines, &mut self.separated)?;
                 to_differences(&mut self.separated);
                 match self.deflate() {
                     Some(size) => out.extend_from_slice(&self.deflated[..size]),
-                    None => self.part.append_raw(lines, out),
+                    None => self.part.append_raw(lines, out)?,
                 }
             }
             Compression::Rle | Compression::Piz => {
                 let mut raw = Vec::with_capacity(self.part.bytes(lines));
-                self.part.append_raw(lines, &mut raw);
+                self.part.append_raw(lines, &mut raw)?;
                 // The crate wants the machine's own byte order.
                 if cfg!(target_endian = "big") {
                     self.part.swap_bytes(lines, &mut raw);
@@ -127,7 +128,7 @@ impl PartCodec<'_> {
     }
 
     /// Scan lines as OpenEXR stores them: line by line, channel by channel, little-endian.
-    fn append_raw(&self, lines: [usize; 2], out: &mut Vec<u8>) {
+    fn append_raw(&self, lines: [usize; 2], out: &mut Vec<u8>) -> io::Result<()> {
         fn put<const N: usize, T: Copy>(values: &[T], out: &mut Vec<u8>, bytes: impl Fn(T) -> [u8; N]) {
             let start = out.len();
             out.resize(start + N * values.len(), 0);
@@ -139,18 +140,19 @@ impl PartCodec<'_> {
         for line in lines[0]..lines[1] {
             let row = line * self.width..(line + 1) * self.width;
             for channel in &self.channels {
-                match &channel.samples {
-                    Samples::F16(values) => put(&values[row.clone()], out, |value| value.to_le_bytes()),
-                    Samples::F32(values) => put(&values[row.clone()], out, |value| value.to_le_bytes()),
-                    Samples::U32(values) => put(&values[row.clone()], out, |value| value.to_le_bytes()),
+                match channel.content.row(row.clone()).map_err(io::Error::other)? {
+                    Row::F16(values) => put(&values, out, |value| value.to_le_bytes()),
+                    Row::F32(values) => put(&values, out, |value| value.to_le_bytes()),
+                    Row::U32(values) => put(&values, out, |value| value.to_le_bytes()),
                 }
             }
         }
+        Ok(())
     }
 
     /// The same bytes with those at even places before those at odd places (OpenEXR's `reorder`), straight from the
     /// channels: every sample has an even number of bytes, so that its low byte always stands at an even place.
-    fn separate(&self, lines: [usize; 2], out: &mut Vec<u8>) {
+    fn separate(&self, lines: [usize; 2], out: &mut Vec<u8>) -> io::Result<()> {
         fn put16(values: impl ExactSizeIterator<Item = [u8; 2]>, even: &mut [u8], odd: &mut [u8]) {
             for ((even, odd), [low, high]) in even.iter_mut().zip(odd).zip(values) {
                 (*even, *odd) = (low, high);
@@ -167,17 +169,18 @@ impl PartCodec<'_> {
         for line in lines[0]..lines[1] {
             let row = line * self.width..(line + 1) * self.width;
             for channel in &self.channels {
-                let bytes = self.width * channel.samples.bytes_per_sample() / 2;
+                let bytes = self.width * channel.content.bytes_per_sample() / 2;
                 let (e, o);
                 (e, even) = std::mem::take(&mut even).split_at_mut(bytes);
                 (o, odd) = std::mem::take(&mut odd).split_at_mut(bytes);
-                match &channel.samples {
-                    Samples::F16(values) => put16(values[row.clone()].iter().map(|value| value.to_le_bytes()), e, o),
-                    Samples::F32(values) => put32(values[row.clone()].iter().map(|value| value.to_le_bytes()), e, o),
-                    Samples::U32(values) => put32(values[row.clone()].iter().map(|value| value.to_le_bytes()), e, o),
+                match channel.content.row(row.clone()).map_err(io::Error::other)? {
+                    Row::F16(values) => put16(values.iter().map(|value| value.to_le_bytes()), e, o),
+                    Row::F32(values) => put32(values.iter().map(|value| value.to_le_bytes()), e, o),
+                    Row::U32(values) => put32(values.iter().map(|value| value.to_le_bytes()), e, o),
                 }
             }
         }
+        Ok(())
     }
 
     /// Turns the bytes of every sample around.
@@ -185,7 +188,7 @@ impl PartCodec<'_> {
         let mut rest = raw;
         for _ in lines[0]..lines[1] {
             for channel in &self.channels {
-                let size = channel.samples.bytes_per_sample();
+                let size = channel.content.bytes_per_sample();
                 let (row, after) = std::mem::take(&mut rest).split_at_mut(self.width * size);
                 row.chunks_exact_mut(size).for_each(<[u8]>::reverse);
                 rest = after;

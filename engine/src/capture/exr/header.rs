@@ -10,7 +10,7 @@ use exr::meta::attribute::{
 use exr::meta::header::standard_names;
 
 use super::Compression;
-use crate::capture::{Capture, Metadata, Part, Samples, Value};
+use crate::capture::{Capture, Metadata, Part, SampleKind, Value};
 use crate::{Error, Result};
 
 /// Longest name of an attribute or a channel in bytes; longer than 31 needs a flag in the file's version.
@@ -68,8 +68,8 @@ fn check_part(part: &Part) -> Result<()> {
             return Err(Error::invalid(what(), "two channels have this name"));
         }
         let pixels = u64::from(width) * u64::from(height);
-        if channel.samples.len() as u64 != pixels {
-            let why = format!("it has {} samples for {width}×{height} pixels", channel.samples.len());
+        if channel.content.len() as u64 != pixels {
+            let why = format!("it has {} samples for {width}×{height} pixels", channel.content.len());
             return Err(Error::invalid(what(), why));
         }
     }
@@ -183,10 +183,10 @@ pub(super) fn sorted(part: &Part) -> Vec<&crate::capture::Channel> {
 
 pub(super) fn channel_list(part: &Part) -> ChannelList {
     let channels = sorted(part).into_iter().map(|channel| {
-        let kind = match channel.samples {
-            Samples::F16(_) => SampleType::F16,
-            Samples::F32(_) => SampleType::F32,
-            Samples::U32(_) => SampleType::U32,
+        let kind = match channel.content.kind() {
+            SampleKind::F16 => SampleType::F16,
+            SampleKind::F32 => SampleType::F32,
+            SampleKind::U32 => SampleType::U32,
         };
         ChannelDescription::new(text(&channel.name), kind, false)
     });

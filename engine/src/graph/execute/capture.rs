@@ -8,7 +8,8 @@ use crate::graph::description::{Description, ImageShape, Range, Root, Shape};
 use crate::graph::record;
 use crate::{Error, Result};
 
-/// Contents read back.
+/// Contents read back. Clones share them.
+#[derive(Clone)]
 pub struct Capture {
     /// Name given to [`crate::graph::Graph::capture`].
     pub name: String,

@@ -1,8 +1,11 @@
 //! Running a planned frame on a device.
 
 mod capture;
+mod histories;
+mod queries;
 mod resources;
 mod run;
+mod segments;
 mod timer;
 
 use std::time::{Duration, Instant};
@@ -10,15 +13,19 @@ use std::time::{Duration, Instant};
 use ash::vk;
 
 pub use capture::Capture;
+pub(super) use queries::Asked;
+pub use queries::{Counts, PassCount};
 pub use timer::PassTime;
 
+use self::histories::Histories;
+use self::queries::Queries;
 use self::resources::{Resources, image_info};
 use self::timer::Timer;
 use super::builder::{External, Graph};
-use super::description::{Description, PassId, Range, Shape};
+use super::description::{Description, Origin, PassId, Range, Shape};
 use super::pass::{Bound, What, Work};
-use super::plan::{Plan, Usage, Work as Step};
-use super::record::Ready;
+use super::plan::{Plan, Segment, Usage, Work as Step};
+use super::record::{self, Ready};
 use crate::gpu::{
     Buffer, BufferInfo, Descriptor, DescriptorArena, Gpu, Heap, Image, Memory, Requirements, SamplerInfo, ViewInfo,
 };
@@ -33,18 +40,46 @@ pub struct Executor<'g> {
     pipelines: Pipelines,
     descriptors: DescriptorArena,
     heaps: Vec<(Requirements, Heap)>,
+    histories: Histories,
+    serialize: bool,
 }
 
 /// A frame that has run.
+#[derive(Default)]
 pub struct Executed {
     /// Captured contents, in the order they were captured.
     pub captures: Vec<Capture>,
     /// Time of each pass on the device, in the order of the plan; empty where the device has no timestamps.
     pub passes: Vec<PassTime>,
-    /// Time from the start of the call to submission, on the host.
+    /// Time from the start of the call to submission, on the host. Over all segments.
     pub recording: Duration,
-    /// Time from submission until the device was done.
+    /// Time from submission until the device was done. Over all segments.
     pub running: Duration,
+    /// What passes asked the device to count.
+    pub counts: Vec<PassCount>,
+    /// Segments after the first checkpoint, as they were planned.
+    pub later: Vec<Segment>,
+}
+
+/// What segments of a frame hand on.
+struct Frame<'f> {
+    /// Of passes that have not run, in recorded order.
+    work: std::vec::IntoIter<Work<'f>>,
+    memory: Resources,
+    arena: Option<Buffer>,
+    queries: Vec<Asked>,
+    /// How many passes the segments before had.
+    first_pass: u32,
+}
+
+/// A segment that has run.
+struct Ran {
+    /// By root.
+    captures: Vec<Option<Capture>>,
+    passes: Vec<PassTime>,
+    counts: Vec<PassCount>,
+    recording: Duration,
+    running: Duration,
 }
 
 impl Executed {
@@ -64,23 +99,62 @@ impl<'g> Executor<'g> {
     /// An executor without anything kept yet.
     pub fn new(gpu: &'g Gpu) -> Self {
         let descriptors = gpu.descriptor_arena("passes");
-        Self { gpu, pipelines: Pipelines::default(), descriptors, heaps: Vec::new() }
+        Self {
+            gpu,
+            pipelines: Pipelines::default(),
+            descriptors,
+            heaps: Vec::new(),
+            histories: Histories::default(),
+            serialize: false,
+        }
     }
 
-    /// Runs a frame and waits until the device is done.
+    /// An empty frame that knows what the last one left ([`Graph::history_image`]).
+    pub fn graph(&self, name: &str) -> Graph<'g> {
+        let mut graph = Graph::new(name, self.gpu.caps());
+        graph.kept = self.histories.kept.clone();
+        graph
+    }
+
+    /// Puts a full barrier before every pass: where that changes a picture, a barrier is missing; where it does not, a
+    /// shader is wrong.
+    pub fn serialize(&mut self, on: bool) {
+        self.serialize = on;
+    }
+
+    /// Frees a history; the next frame that declares it is its first. Says whether there was one.
+    pub fn forget_history(&mut self, key: &str) -> bool {
+        self.histories.forget(key)
+    }
+
+    /// Runs a frame and waits until the device is done. Histories of a frame that fails begin anew.
     ///
     /// # Errors
     /// [`Error::Missing`] where a shader asks for what the device lacks; [`Error::OutOfMemory`] naming the heap;
     /// [`Error::DeviceLost`] naming the last pass that began; what a pass's closure returns.
     pub fn execute(&mut self, plan: &Plan, graph: Graph) -> Result<Executed> {
-        let start = Instant::now();
-        let Graph { description, mut work, external, arena, .. } = graph;
-        let mut work: Vec<Option<Work>> = work.drain(..).map(Some).collect();
-
-        // 1. Memory: what the plan placed, what the frame imports, what the host hands over, what it reads back.
-        let memory = self.memory(plan, &description, external)?;
+        let Graph { description, work, mut external, arena, histories, later, queries, .. } = graph;
+        self.histories.take(self.gpu, &histories, &mut external)?;
         let arena = self.arena(&arena.bytes)?;
-        let captures = self.capture_buffers(&description)?;
+        let mut frame = Frame { work: work.into_iter(), memory: Resources(external), arena, queries, first_pass: 0 };
+        if description.checkpoints.is_empty() {
+            let Ran { captures, passes, counts, recording, running } = self.run(&description, plan, &mut frame)?;
+            self.histories.keep(histories, plan, &frame.memory.0);
+            let captures = captures.into_iter().flatten().collect();
+            return Ok(Executed { captures, passes, counts, recording, running, later: Vec::new() });
+        }
+        self.execute_segments(description, plan, &mut frame, later, histories)
+    }
+
+    /// Runs a frame, or a segment of one, and waits until the device is done.
+    fn run(&mut self, description: &Description, plan: &Plan, frame: &mut Frame) -> Result<Ran> {
+        let start = Instant::now();
+        let mut work: Vec<Option<Work>> = frame.work.by_ref().take(description.passes.len()).map(Some).collect();
+
+        // 1. Memory: what the plan placed, what the host reads back.
+        self.memory(plan, description, &mut frame.memory)?;
+        let (memory, arena) = (&frame.memory, frame.arena.as_ref());
+        let captures = self.capture_buffers(description)?;
 
         // 2. Pipelines and descriptor sets.
         self.descriptors.reset();
@@ -89,7 +163,7 @@ impl<'g> Executor<'g> {
             if let Step::Pass(PassId(pass)) = step.work {
                 let name = &description.passes[pass as usize].name;
                 if let Some(work) = &work[pass as usize] {
-                    ready.push((pass, self.prepare(name, work, &memory, arena.as_ref())?));
+                    ready.push((pass, self.prepare(name, work, memory, arena)?));
                 }
             }
         }
@@ -98,17 +172,26 @@ impl<'g> Executor<'g> {
         let device = self.gpu.raw();
         let mut commands = self.gpu.commands(&description.name)?;
         let timer = Timer::new(self.gpu, plan.steps.len())?;
+        let queries = self.queries(plan, description, frame)?;
+        let first_pass = frame.first_pass;
+        frame.first_pass += description.passes.len() as u32;
         let mut ready = ready.into_iter();
         let mut names = Vec::with_capacity(plan.steps.len());
         for (index, step) in plan.steps.iter().enumerate() {
-            run::batch(&step.barriers, &memory).record(device, &commands);
+            run::batch(&step.barriers, memory).record(device, &commands);
+            if self.serialize {
+                record::full_barrier(device, &commands);
+            }
             timer.mark(device, &commands, 2 * index);
             match step.work {
                 Step::Pass(PassId(pass)) => {
                     let name = &description.passes[pass as usize].name;
                     commands.begin_pass(name);
                     if let (Some(work), Some((_, programs))) = (work[pass as usize].take(), ready.next()) {
-                        run::run(device, &commands, work, &programs, &memory)?;
+                        let whole = PassId(first_pass + pass);
+                        queries.begin(device, &commands, whole);
+                        run::run(device, &commands, work, &programs, memory)?;
+                        queries.end(device, &commands, whole);
                     }
                     commands.end_pass();
                     names.push(name.clone());
@@ -116,14 +199,14 @@ impl<'g> Executor<'g> {
                 Step::ReadBack(root) => {
                     let name = &description.roots[root].name;
                     commands.begin_pass(&format!("read back {name}"));
-                    capture::read_back(device, &commands, &description, root, &memory, captures[root].as_ref());
+                    capture::read_back(device, &commands, description, root, memory, captures[root].as_ref());
                     commands.end_pass();
                     names.push(format!("read back {name}"));
                 }
             }
             timer.mark(device, &commands, 2 * index + 1);
         }
-        run::batch(&plan.finally, &memory).record(device, &commands);
+        run::batch(&plan.finally, memory).record(device, &commands);
 
         // 4. Run, and wait.
         let recording = start.elapsed();
@@ -132,17 +215,35 @@ impl<'g> Executor<'g> {
         self.gpu.wait(token)?;
         let running = submitted.elapsed();
         let passes = timer.times(names)?;
-        Ok(Executed { captures: captures.into_iter().flatten().collect(), passes, recording, running })
+        Ok(Ran { captures, passes, counts: queries.counts()?, recording, running })
     }
 
-    /// Images and buffers of the frame, by resource.
-    fn memory(&mut self, plan: &Plan, description: &Description, external: Vec<Option<External>>) -> Result<Resources> {
+    /// Queries of the passes that run.
+    fn queries(&self, plan: &Plan, description: &Description, frame: &Frame) -> Result<Queries> {
+        if frame.queries.is_empty() {
+            return Ok(Queries::default());
+        }
+        Queries::new(self.gpu, &frame.queries, |PassId(pass)| {
+            let here = pass.checked_sub(frame.first_pass)?;
+            let runs = plan.steps.iter().any(|step| step.work == Step::Pass(PassId(here)));
+            runs.then(|| description.passes[here as usize].name.clone())
+        })
+    }
+
+    /// Makes what is not there yet: transients where the plan placed them, and what is alive over a checkpoint.
+    fn memory(&mut self, plan: &Plan, description: &Description, resources: &mut Resources) -> Result<()> {
         let mut heaps = Vec::with_capacity(plan.heaps.len());
         for (index, heap) in plan.heaps.iter().enumerate() {
             let wanted = Requirements { size: heap.size, alignment: heap.alignment, type_bits: heap.type_bits };
             heaps.push(self.heap(index, wanted)?);
         }
-        let mut resources = Resources(external);
+        for (index, resource) in description.resources.iter().enumerate() {
+            if let (Origin::Kept { .. }, None, Some(usage)) =
+                (&resource.origin, &resources.0[index], plan.usages[index])
+            {
+                resources.0[index] = Some(resources::alone(self.gpu, resource, usage)?);
+            }
+        }
         for placement in &plan.placements {
             let resource = &description.resources[placement.resource.0 as usize];
             let heap = &heaps[placement.heap];
@@ -159,7 +260,7 @@ impl<'g> Executor<'g> {
             };
             resources.0[placement.resource.0 as usize] = Some(made);
         }
-        Ok(resources)
+        Ok(())
     }
 
     /// The heap kept for this place where it fits, else a new one.
@@ -203,7 +304,9 @@ impl<'g> Executor<'g> {
                 let make = |program| self.pipelines.graphics(self.gpu, program, targets);
                 (programs.iter().map(make).collect::<Result<Vec<_>>>()?, bound)
             }
-            Work::Fill { .. } | Work::Clear { .. } => return Ok(Vec::new()),
+            Work::Fill { .. } | Work::Clear { .. } | Work::ClearDepth { .. } | Work::Zero(_) => {
+                return Ok(Vec::new());
+            }
         };
         let mut ready = Vec::with_capacity(pipelines.len());
         for pipeline in pipelines {
@@ -253,7 +356,9 @@ impl<'g> Executor<'g> {
                         self.image_descriptor(binding, image.clone(), view, *layout, sampler)
                     }
                     (External::Buffer(buffer), Range::Buffer([first, end])) => {
-                        Ok(Descriptor::Buffer { buffer: buffer.clone(), offset: first, size: end - first })
+                        // A size that a checkpoint told may be less than the description's.
+                        let size = end.min(buffer.size()).saturating_sub(first);
+                        Ok(Descriptor::Buffer { buffer: buffer.clone(), offset: first, size })
                     }
                     _ => Err(missing()),
                 }

@@ -4,8 +4,9 @@ use ash::vk;
 
 use crate::gpu::{Buffer, BufferInfo, Gpu, Image, ImageInfo, Memory, Requirements};
 use crate::graph::builder::External;
-use crate::graph::description::{ImageShape, Queue, ResourceId, Shape};
+use crate::graph::description::{ImageShape, Queue, Resource, ResourceId, Shape};
 use crate::graph::plan::{self, DeviceModel, Usage};
+use crate::{Error, Result};
 
 /// Memory of a frame's resources, by their number.
 pub(super) struct Resources(pub(super) Vec<Option<External>>);
@@ -23,6 +24,20 @@ impl Resources {
             Some(Some(External::Buffer(buffer))) => Some(buffer),
             _ => None,
         }
+    }
+}
+
+/// A resource in memory of its own.
+pub(super) fn alone(gpu: &Gpu, resource: &Resource, usage: Usage) -> Result<External> {
+    let name = &resource.name;
+    match (&resource.shape, usage) {
+        (Shape::Image(shape), Usage::Image(usage)) => {
+            Ok(External::Image(gpu.create_image(&image_info(name, shape, usage))?))
+        }
+        (&Shape::Buffer { size }, Usage::Buffer(usage)) => {
+            Ok(External::Buffer(gpu.create_buffer(&BufferInfo { name, size, usage, memory: Memory::Device })?))
+        }
+        _ => Err(Error::invalid(name, format!("is used as {usage:?}, which it is not"))),
     }
 }
 
@@ -58,6 +73,10 @@ impl DeviceModel for Gpu {
         let none = Requirements { size: 0, alignment: 1, type_bits: 0 };
         let Requirements { size, alignment, type_bits } = asked.unwrap_or(none);
         plan::Requirements { size, alignment, type_bits }
+    }
+
+    fn image_usages(&self, format: vk::Format) -> vk::ImageUsageFlags {
+        Gpu::image_usages(self, format)
     }
 
     fn granularity(&self) -> u64 {

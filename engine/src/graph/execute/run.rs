@@ -4,7 +4,7 @@ use ash::vk;
 
 use super::resources::Resources;
 use crate::gpu::{Commands, ViewInfo};
-use crate::graph::description::Range;
+use crate::graph::description::{Access, Range, ResourceId};
 use crate::graph::pass::{Attachment, Attachments, DrawFn, Groups, Work};
 use crate::graph::plan::Barriers;
 use crate::graph::record::{self, Batch, Ready, Recorder};
@@ -33,9 +33,10 @@ pub(super) fn run(
         Work::Raster { targets, attachments, draw, .. } => {
             render(device, commands, &attachments, targets.view_mask, programs, draw, memory)
         }
-        Work::Fill { resource, range: Range::Buffer(range), value } => {
+        Work::Fill { resource, range: Range::Buffer([first, end]), value } => {
             if let Some(buffer) = memory.buffer(resource) {
-                record::fill(device, commands, buffer, range, value);
+                // A size that a checkpoint told may be less than the description's.
+                record::fill(device, commands, buffer, [first, end.min(buffer.size())], value);
             }
             Ok(())
         }
@@ -45,7 +46,32 @@ pub(super) fn run(
             }
             Ok(())
         }
+        Work::ClearDepth { resource, range, value } => {
+            if let (Some(image), Some(range)) = (memory.image(resource), subresources(range)) {
+                record::clear_depth(device, commands, image, range, value);
+            }
+            Ok(())
+        }
+        Work::Zero(parts) => {
+            parts.into_iter().for_each(|(resource, range)| zero(device, commands, memory, resource, range));
+            Ok(())
+        }
         Work::Fill { .. } => Ok(()),
+    }
+}
+
+fn zero(device: &ash::Device, commands: &Commands, memory: &Resources, resource: ResourceId, range: Range) {
+    match (range, memory.image(resource), memory.buffer(resource), subresources(range)) {
+        (Range::Buffer([first, end]), _, Some(buffer), _) => {
+            record::fill(device, commands, buffer, [first, end.min(buffer.size())], 0);
+        }
+        (Range::Image { aspects, .. }, Some(image), _, Some(range)) => match aspects {
+            vk::ImageAspectFlags::COLOR => {
+                record::clear(device, commands, image, range, vk::ClearColorValue::default());
+            }
+            _ => record::clear_depth(device, commands, image, range, 0.0),
+        },
+        _ => {}
     }
 }
 
@@ -84,21 +110,23 @@ fn render(
 }
 
 /// Vulkan's barriers from the plan's.
+///
+/// Buffers' are recorded as barriers for all memory, and images' have their order repeated as one without memory. That
+/// is the same to a driver and to Vulkan, where a barrier orders all commands of its stages. Synchronisation validation
+/// takes it to order those of its own buffer or image alone, and would miss the order of others that lie in the same
+/// memory.
 pub(super) fn batch(barriers: &Barriers, memory: &Resources) -> Batch {
     let mut batch = Batch::default();
-    for barrier in &barriers.memory {
-        batch.memory.push(
-            vk::MemoryBarrier2::default()
-                .src_stage_mask(barrier.from.stages)
-                .src_access_mask(barrier.from.mask)
-                .dst_stage_mask(barrier.to.stages)
-                .dst_access_mask(barrier.to.mask),
-        );
+    let buffers = barriers.buffers.iter().map(|barrier| (barrier.from, barrier.to));
+    for (from, to) in barriers.memory.iter().map(|barrier| (barrier.from, barrier.to)).chain(buffers) {
+        add_memory(&mut batch, from, to);
     }
     for barrier in &barriers.images {
         let (Some(image), Some(range)) = (memory.image(barrier.resource), subresources(barrier.range)) else {
             continue;
         };
+        let order = [barrier.from, barrier.to].map(|access| Access { stages: access.stages, ..Access::NONE });
+        add_memory(&mut batch, order[0], order[1]);
         batch.images.push(
             vk::ImageMemoryBarrier2::default()
                 .src_stage_mask(barrier.from.stages)
@@ -113,24 +141,27 @@ pub(super) fn batch(barriers: &Barriers, memory: &Resources) -> Batch {
                 .subresource_range(range),
         );
     }
-    for barrier in &barriers.buffers {
-        let (Some(buffer), Range::Buffer([first, end])) = (memory.buffer(barrier.resource), barrier.range) else {
-            continue;
-        };
-        batch.buffers.push(
-            vk::BufferMemoryBarrier2::default()
-                .src_stage_mask(barrier.from.stages)
-                .src_access_mask(barrier.from.mask)
-                .dst_stage_mask(barrier.to.stages)
-                .dst_access_mask(barrier.to.mask)
-                .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-                .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-                .buffer(buffer.raw())
-                .offset(first)
-                .size(end - first),
-        );
-    }
     batch
+}
+
+/// A barrier for all memory, where no other one of the batch does as much.
+fn add_memory(batch: &mut Batch, from: Access, to: Access) {
+    let holds = |known: &vk::MemoryBarrier2| {
+        known.src_stage_mask.contains(from.stages)
+            && known.src_access_mask.contains(from.mask)
+            && known.dst_stage_mask.contains(to.stages)
+            && known.dst_access_mask.contains(to.mask)
+    };
+    if from.stages.is_empty() || to.stages.is_empty() || batch.memory.iter().any(holds) {
+        return;
+    }
+    batch.memory.push(
+        vk::MemoryBarrier2::default()
+            .src_stage_mask(from.stages)
+            .src_access_mask(from.mask)
+            .dst_stage_mask(to.stages)
+            .dst_access_mask(to.mask),
+    );
 }
 
 pub(super) fn subresources(range: Range) -> Option<vk::ImageSubresourceRange> {

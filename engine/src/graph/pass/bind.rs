@@ -36,9 +36,22 @@ impl Unchanging for &Buffer {
 /// The methods that bind, alike for both kinds of pass.
 macro_rules! binding_methods {
     () => {
+        /// Counts what the pipeline does over this pass, which therefore runs whoever reads what it writes
+        /// ([`crate::graph::Executed::statistic`]). Once a pass; needs `pipelineStatisticsQuery`.
+        pub fn statistics(&mut self, counters: ash::vk::QueryPipelineStatisticFlags) -> &mut Self {
+            self.collected.counted.push(crate::gpu::QueryKind::Statistics(counters));
+            self
+        }
+
         /// Gives a uniform block its value.
         pub fn uniform<T: bytemuck::Pod>(&mut self, slot: UniformSlot<T>, value: &T) -> &mut Self {
             let data = self.graph.data(std::slice::from_ref(value));
+            self.collected.constant(self.graph, &slot.binding(), What::Data(data));
+            self
+        }
+
+        /// Gives a uniform block its value from the frame's arena: one that follows from a checkpoint.
+        pub fn uniform_data<T>(&mut self, slot: UniformSlot<T>, data: Data) -> &mut Self {
             self.collected.constant(self.graph, &slot.binding(), What::Data(data));
             self
         }

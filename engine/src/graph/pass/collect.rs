@@ -3,9 +3,10 @@
 use ash::vk;
 
 use super::{Bound, What};
-use crate::gpu::SamplerInfo;
+use crate::gpu::{QueryKind, SamplerInfo};
 use crate::graph::builder::Graph;
 use crate::graph::description::{Access, PassId, Use};
+use crate::graph::execute::Asked;
 use crate::graph::handle::Handle;
 use crate::shader::{Binding, BindingKind, Shader, ShaderAccess, Stage};
 
@@ -17,6 +18,8 @@ pub(super) struct Collected {
     table: Vec<(Binding, vk::PipelineStageFlags2, &'static str)>,
     bound: Vec<Bound>,
     pub(super) uses: Vec<Use>,
+    /// What the device counts over it.
+    pub(super) counted: Vec<QueryKind>,
 }
 
 impl Collected {
@@ -35,7 +38,7 @@ impl Collected {
                 }
             }
         }
-        Self { pass, name, table, bound: Vec::new(), uses: Vec::new() }
+        Self { pass, name, table, bound: Vec::new(), uses: Vec::new(), counted: Vec::new() }
     }
 
     /// The binding as this pass's shaders have it, with the stages that see it. A slot that none of them has is a
@@ -104,6 +107,7 @@ impl Collected {
                 graph.mistake(Some(&self.name), Some(binding.name), wrong, "once".into());
             }
         }
+        graph.queries.extend(self.counted.into_iter().map(|kind| Asked { pass: self.pass, kind }));
         (self.name, self.uses, self.bound)
     }
 }

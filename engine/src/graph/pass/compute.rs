@@ -4,7 +4,7 @@ use super::bind::{Fits, Unchanging, binding_methods};
 use super::collect::Collected;
 use super::{Groups, What, Work};
 use crate::gpu::{self, Image, SamplerInfo};
-use crate::graph::builder::Graph;
+use crate::graph::builder::{Data, Graph};
 use crate::graph::description::{Access, Queue};
 use crate::graph::handle::{BufferHandle, ImageHandle};
 use crate::shader::{self, ConstantSlot, ReadSlot, SampledSlot, Shader, StorageSlot, UniformSlot, WriteSlot};

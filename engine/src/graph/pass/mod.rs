@@ -44,6 +44,13 @@ pub(in crate::graph) enum Work<'f> {
         range: Range,
         value: vk::ClearColorValue,
     },
+    ClearDepth {
+        resource: ResourceId,
+        range: Range,
+        value: f32,
+    },
+    /// Of a pass that is switched off.
+    Zero(Vec<(ResourceId, Range)>),
 }
 
 pub(in crate::graph) type DrawFn<'f> = Box<dyn FnOnce(&mut Recorder) -> Result<()> + 'f>;

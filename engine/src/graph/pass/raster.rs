@@ -6,8 +6,8 @@ use super::bind::{Fits, Unchanging, binding_methods};
 use super::collect::Collected;
 use super::{Attachment, Attachments, Load, What, Work};
 use crate::Result;
-use crate::gpu::{Image, SamplerInfo};
-use crate::graph::builder::Graph;
+use crate::gpu::{Image, QueryKind, SamplerInfo};
+use crate::graph::builder::{Data, Graph};
 use crate::graph::description::{Access, Queue};
 use crate::graph::handle::ImageHandle;
 use crate::graph::record::Recorder;
@@ -73,6 +73,13 @@ impl<'g, 'f> RasterPass<'g, 'f> {
         self.attachments.depth = Some(attachment(handle, access, load, store, vk::ClearValue::default()));
         let used = self.graph.used("depth", handle, access);
         self.collected.uses.push(used);
+        self
+    }
+
+    /// Counts the samples that pass all tests, exactly and over all draws of this pass, which therefore runs whoever
+    /// reads what it writes ([`crate::graph::Executed::samples`]). Needs `occlusionQueryPrecise`.
+    pub fn count_samples(&mut self) -> &mut Self {
+        self.collected.counted.push(QueryKind::Occlusion);
         self
     }
 

@@ -5,7 +5,7 @@ use std::ops::Range as Span;
 
 use ash::vk::ImageAspectFlags as Aspects;
 
-use crate::graph::description::{Description, Range, ResourceId, Shape};
+use crate::graph::description::{Description, Origin, Range, ResourceId, Shape};
 
 /// Cells of all resources, and which of them each version covers.
 pub(super) struct Cells {
@@ -41,6 +41,14 @@ impl Cells {
                 known.push(version.range);
             }
         }
+        for (resource, known) in description.resources.iter().zip(&mut parts) {
+            if let Origin::Kept { before, .. } = &resource.origin {
+                let whole = resource.shape.whole();
+                known.extend(
+                    before.iter().map(|state| state.range).filter(|part| *part != whole && part.lies_in(&whole)),
+                );
+            }
+        }
         let mut cells = Self {
             first: vec![0],
             grids: Vec::with_capacity(parts.len()),
@@ -58,14 +66,17 @@ impl Cells {
         cells.first_slot.push(0);
         for (version, broken) in description.versions.iter().zip(broken) {
             if !broken {
-                cells.push_slots(version.resource, version.range);
+                let mut slot_cells = std::mem::take(&mut cells.slot_cells);
+                cells.cover(version.resource, version.range, &mut slot_cells);
+                cells.slot_cells = slot_cells;
             }
             cells.first_slot.push(cells.slot_cells.len() as u32);
         }
         cells
     }
 
-    fn push_slots(&mut self, resource: ResourceId, range: Range) {
+    /// Adds the cells of a range, which begins and ends where cells do, in ascending order.
+    pub(super) fn cover(&self, resource: ResourceId, range: Range, covered: &mut Vec<u32>) {
         let first = self.first[resource.0 as usize];
         match (&self.grids[resource.0 as usize], range) {
             (Grid::Image { aspects, mips, layers }, Range::Image { aspects: a, mips: m, layers: l }) => {
@@ -73,14 +84,14 @@ impl Cells {
                 let (rows, columns) = (mips.len() as u32 - 1, layers.len() as u32 - 1);
                 for aspect in (0..aspects.len() as u32).filter(|&i| a.contains(aspects[i as usize])) {
                     for mip in m.clone() {
-                        self.slot_cells.extend(l.clone().map(|layer| first + (aspect * rows + mip) * columns + layer));
+                        covered.extend(l.clone().map(|layer| first + (aspect * rows + mip) * columns + layer));
                     }
                 }
             }
             (Grid::Buffer(bounds), Range::Buffer(bytes)) => {
-                self.slot_cells.extend(span(bounds, bytes).map(|i| first + i));
+                covered.extend(span(bounds, bytes).map(|i| first + i));
             }
-            _ => self.slot_cells.push(first),
+            _ => covered.push(first),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Which passes run: those that a root or a side effect needs, cell by cell.
 
 use super::CullReason;
-use super::versions::Versions;
+use super::versions::{Versions, last_of_needed};
 use crate::graph::description::{Description, PassId, Source, VersionId};
 use crate::graph::errors::{ErrorKind, GraphError, GraphErrors};
 
@@ -16,6 +16,9 @@ pub(super) fn cull(description: &Description, versions: &Versions) -> (Vec<bool>
     };
     for root in &description.roots {
         need.version(root.version);
+    }
+    for version in last_of_needed(description) {
+        need.version(version);
     }
     for (index, _) in description.passes.iter().enumerate().filter(|(_, pass)| pass.side_effect.is_some()) {
         need.pass(index);
@@ -98,10 +101,9 @@ fn readers(description: &Description) -> Readers {
         pass.uses.iter().for_each(|used| readers.passes[used.version.0 as usize].push(index as u32));
     }
     for (index, version) in description.versions.iter().enumerate() {
-        let sources: &[VersionId] = match &version.source {
-            Source::Initial | Source::Pass { .. } => &[],
-            Source::Split { of } | Source::Fork { of } => std::slice::from_ref(of),
-            Source::Join { of } => of,
+        let sources = match &version.source {
+            Source::Pass { .. } => &[],
+            source => source.versions(),
         };
         sources.iter().for_each(|source| readers.versions[source.0 as usize].push(index as u32));
     }

@@ -1,11 +1,11 @@
 //! What happens to each cell, in order: groups of uses that need no dependency among themselves.
 
-use ash::vk::ImageLayout;
+use ash::vk::{AccessFlags2 as Mask, ImageLayout, PipelineStageFlags2 as Stages};
 
-use super::Work;
 use super::dependencies::Node;
 use super::versions::Versions;
-use crate::graph::description::{Access, Description, Origin, Queue, ResourceId, Shape, VersionId};
+use super::{End, Work};
+use crate::graph::description::{Access, Description, Origin, Queue, ResourceId, Shape, State, VersionId};
 
 /// A moment of the frame: before it, a step, or after it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -85,7 +85,7 @@ impl History {
         for cell in 0..cells as u32 {
             let resource = versions.cells.resource(cell);
             let from = history.groups.len();
-            history.groups.extend(arrives(description, resource));
+            history.groups.extend(arrives(description, versions, cell));
             while let Some((_, group)) = events.next_if(|(other, _)| *other == cell) {
                 history.push(from, group);
             }
@@ -123,7 +123,9 @@ impl Group {
             (true, true) => self.fork.is_some() && self.fork == next.fork,
             _ => false,
         };
-        alike && self.queue == next.queue && self.first != At::START
+        // What the frame began with is visible to no more than it says: only reads that it covers belong to it.
+        let covered = self.access.stages.contains(next.access.stages) && self.access.mask.contains(next.access.mask);
+        alike && self.queue == next.queue && (self.first != At::START || (!self.write && covered))
     }
 }
 
@@ -156,23 +158,64 @@ fn events(description: &Description, versions: &Versions, schedule: &Schedule) -
     events
 }
 
-/// The state that an imported resource arrives in.
-fn arrives(description: &Description, resource: ResourceId) -> Option<Group> {
-    let resource = &description.resources[resource.0 as usize];
-    let Origin::Imported { before, .. } = resource.origin else { return None };
+/// The state that a cell of an imported or kept resource arrives in.
+fn arrives(description: &Description, versions: &Versions, cell: u32) -> Option<Group> {
+    let resource = &description.resources[versions.cells.resource(cell).0 as usize];
+    let before = match resource.origin {
+        Origin::Transient => return None,
+        Origin::Imported { before, .. } => before,
+        Origin::Kept { .. } => versions.arrival.get(&cell)?.access,
+    };
     Some(outside(At::START, normal(before, &resource.shape)))
 }
 
-/// The state that an imported resource is to be left in, where that asks for anything: it is left to graphics.
+/// The state that an imported or kept resource is to be left in, where that asks for anything: it is left to graphics.
 fn leaves(description: &Description, resource: ResourceId, groups: &[Group]) -> Option<Group> {
     let resource = &description.resources[resource.0 as usize];
-    let Origin::Imported { after, .. } = resource.origin else { return None };
+    // Whoever has imported it waits for the frame; the next plan goes on behind the transfer, which is as a write.
+    let taken = Access { stages: Stages::ALL_COMMANDS, mask: Mask::MEMORY_WRITE, ..Access::NONE };
+    let (after, taken) = match resource.origin {
+        Origin::Transient => return None,
+        Origin::Imported { after, .. } => (after, Access::NONE),
+        Origin::Kept { after, .. } => (after, taken),
+    };
     let last = groups.last()?;
     match after {
         Some(after) => Some(outside(At::END, normal(after, &resource.shape))),
         None if last.queue == Queue::Graphics => None,
-        None => Some(outside(At::END, Access { layout: last.access.layout, ..Access::NONE })),
+        None => Some(outside(At::END, Access { layout: last.access.layout, ..taken })),
     }
+}
+
+/// The states in which the plan leaves imported and kept resources, parts in one state together.
+pub(super) fn ends(description: &Description, versions: &Versions, history: &History) -> Vec<End> {
+    let mut ends = Vec::new();
+    for (index, resource) in description.resources.iter().enumerate() {
+        if resource.origin == Origin::Transient {
+            continue;
+        }
+        let id = ResourceId(index as u32);
+        let mut alike: Vec<(Access, bool, Vec<u32>)> = Vec::new();
+        for cell in versions.cells.of(id) {
+            let groups = history.of(cell);
+            let Some(last) = groups.last() else { continue };
+            let written = groups.iter().any(|group| group.write && group.first.index().is_some());
+            let holds = written
+                || match resource.origin {
+                    Origin::Imported { before, .. } => before.has_contents(&resource.shape),
+                    _ => versions.arrival.get(&cell).is_some_and(|state| state.holds),
+                };
+            match alike.iter_mut().find(|known| (known.0, known.1) == (last.access, holds)) {
+                Some((.., cells)) => cells.push(cell),
+                None => alike.push((last.access, holds, vec![cell])),
+            }
+        }
+        for (access, holds, cells) in alike {
+            let ranges = versions.cells.ranges(&cells).into_iter();
+            ends.extend(ranges.map(|range| End { resource: id, state: State { range, access, holds } }));
+        }
+    }
+    ends
 }
 
 fn outside(at: At, access: Access) -> Group {

@@ -15,6 +15,7 @@ mod place;
 mod queues;
 mod reason;
 mod redundant;
+mod segments;
 mod stages;
 mod usage;
 mod validate;
@@ -22,10 +23,12 @@ mod versions;
 
 pub use device::{DeviceModel, Requirements, Usage};
 pub use output::{
-    Barriers, Batch, BufferBarrier, Heap, ImageBarrier, Lifetime, MemoryBarrier, Ownership, Placement, Plan,
+    Barriers, Batch, BufferBarrier, End, Heap, ImageBarrier, Lifetime, MemoryBarrier, Ownership, Placement, Plan,
     Statistics, Step, Wait, Work,
 };
 pub use reason::{CullReason, Hazard, Reason};
+pub use segments::{Segment, segment};
+pub(super) use versions::held_at_the_end;
 
 use ash::vk::ImageLayout as Layout;
 
@@ -33,20 +36,45 @@ use self::barriers::Context;
 use self::dependencies::{Dependencies, events};
 use self::history::History;
 use self::queues::{Families, RoundTrip};
-use super::description::{Access, Description, Origin, Queue};
+use self::versions::Versions;
+use super::description::{Access, Description, Origin, PassId, Queue};
 use super::errors::{ErrorKind, GraphError, GraphErrors};
 
-/// Plans a frame for a device.
+/// Plans a frame for a device; of a frame with checkpoints, what comes before the first one ([`segment`]).
 ///
 /// # Errors
 /// All that is wrong with the description, at once.
 pub fn plan(description: &Description, device: &dyn DeviceModel) -> Result<Plan, GraphErrors> {
+    if !description.checkpoints.is_empty() {
+        return Ok(segment(description, 0, &[], device)?.plan);
+    }
+    let chosen = choose(description, device)?;
+    plan_chosen(description, chosen, device)
+}
+
+/// What runs of a description that is right.
+struct Chosen {
+    versions: Versions,
+    /// By pass.
+    live: Vec<bool>,
+    culled: Vec<(PassId, CullReason)>,
+    /// Who waits for whom, where that is known.
+    dependencies: Option<Dependencies>,
+}
+
+fn choose(description: &Description, device: &dyn DeviceModel) -> Result<Chosen, GraphErrors> {
     // 1. Find everything that is wrong.
-    let (versions, all) = validate::validate(description, device)?;
+    let (versions, dependencies) = validate::validate(description, device)?;
 
     // 2. Leave out what no root and no side effect needs.
     let (live, culled) = cull::cull(description, &versions);
     cull::check_kept(description, &versions, &live)?;
+    let dependencies = culled.is_empty().then_some(dependencies);
+    Ok(Chosen { versions, live, culled, dependencies })
+}
+
+fn plan_chosen(description: &Description, chosen: Chosen, device: &dyn DeviceModel) -> Result<Plan, GraphErrors> {
+    let Chosen { versions, live, culled, dependencies } = chosen;
 
     // 3. What each resource is used for, and the memory it takes.
     let usages = usage::usages(description, &live);
@@ -55,10 +83,7 @@ pub fn plan(description: &Description, device: &dyn DeviceModel) -> Result<Plan,
 
     // 4. Put passes and read-backs in order.
     let nodes = description.passes.len() + description.roots.len();
-    let dependencies = match culled.is_empty() {
-        true => all,
-        false => Dependencies::new(&events(description, &versions, &live), nodes),
-    };
+    let dependencies = dependencies.unwrap_or_else(|| Dependencies::new(&events(description, &versions, &live), nodes));
     let order = order::order(description, &dependencies, &live, &bytes);
 
     // 5. Give each a queue.
@@ -101,6 +126,7 @@ pub fn plan(description: &Description, device: &dyn DeviceModel) -> Result<Plan,
         heaps: placed.heaps,
         usages,
         lifetimes: lifetimes::report(description, &versions, &history),
+        ends: history::ends(description, &versions, &history),
         statistics: Statistics {
             lower_bound_bytes: placed.lower_bound,
             unaliased_bytes: placed.unaliased,

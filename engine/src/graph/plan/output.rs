@@ -2,7 +2,7 @@
 
 use super::Usage;
 use super::reason::{CullReason, Reason};
-use crate::graph::description::{Access, PassId, Queue, Range, ResourceId};
+use crate::graph::description::{Access, PassId, Queue, Range, ResourceId, State};
 
 /// What to record and submit, in which order, with which barriers, over which memory.
 ///
@@ -27,6 +27,8 @@ pub struct Plan {
     pub usages: Vec<Option<Usage>>,
     /// When each part of each resource is in use, by resource and range.
     pub lifetimes: Vec<Lifetime>,
+    /// States that imported and kept resources are left in, by resource: what the next plan begins with.
+    pub ends: Vec<End>,
     /// Figures.
     pub statistics: Statistics,
 }
@@ -180,6 +182,15 @@ pub struct Lifetime {
     pub range: Range,
     /// First and last step that use it.
     pub steps: [usize; 2],
+}
+
+/// The state that a part of a resource is left in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct End {
+    /// The resource.
+    pub resource: ResourceId,
+    /// Its part, and the state.
+    pub state: State,
 }
 
 /// Figures of a plan.

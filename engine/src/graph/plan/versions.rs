@@ -3,8 +3,55 @@
 //! Each write of a cell begins an epoch of it: epoch 0 is what the frame began with. Splits, forks and joins begin
 //! none. Unordered writers share one.
 
+use std::collections::HashMap;
+
 use super::cells::Cells;
-use crate::graph::description::{Description, Origin, Source, VersionId};
+use crate::graph::description::{Description, Origin, ResourceId, Source, State, VersionId};
+
+/// States that cells of kept resources arrive in.
+fn arrival(description: &Description, cells: &Cells) -> HashMap<u32, State> {
+    let mut arrival = HashMap::new();
+    let mut covered = Vec::new();
+    for (index, resource) in description.resources.iter().enumerate() {
+        let Origin::Kept { before, .. } = &resource.origin else { continue };
+        for state in before.iter().filter(|state| state.range.lies_in(&resource.shape.whole())) {
+            covered.clear();
+            cells.cover(ResourceId(index as u32), state.range, &mut covered);
+            arrival.extend(covered.iter().map(|&cell| (cell, *state)));
+        }
+    }
+    arrival
+}
+
+/// How much of a resource that is needed after the frame holds something then: as [`super::Plan::ends`] tells it, over
+/// all segments of a frame that is right.
+pub(in crate::graph) fn held_at_the_end(description: &Description, resource: ResourceId) -> u64 {
+    let versions = Versions::new(description, vec![false; description.versions.len()]);
+    let last = last_of_needed(description).into_iter().map(|version| version.0 as usize);
+    let mine = last.filter(|&version| description.versions[version].resource == resource);
+    let held = mine.flat_map(|version| versions.cells.slots(version)).filter(|&slot| versions.defined[slot]);
+    let cells = held.map(|slot| versions.cells.cell(slot));
+    cells.flat_map(|cell| versions.cells.ranges(&[cell])).map(|range| range.amount()).sum()
+}
+
+/// Versions of what is needed after the plan that no other version is made from.
+pub(super) fn last_of_needed(description: &Description) -> Vec<VersionId> {
+    let needed = |resource: ResourceId| {
+        let resource = description.resources.get(resource.0 as usize);
+        resource.is_some_and(|resource| matches!(resource.origin, Origin::Kept { needed: true, .. }))
+    };
+    if !(0..description.resources.len() as u32).any(|index| needed(ResourceId(index))) {
+        return Vec::new();
+    }
+    let mut last: Vec<bool> = description.versions.iter().map(|version| needed(version.resource)).collect();
+    for source in description.versions.iter().flat_map(|version| version.source.versions()) {
+        if let Some(last) = last.get_mut(source.0 as usize) {
+            *last = false;
+        }
+    }
+    let ids = (0..last.len() as u32).map(VersionId);
+    ids.zip(last).filter(|(_, last)| *last).map(|(id, _)| id).collect()
+}
 
 /// Facts of versions.
 pub(super) struct Versions {
@@ -18,6 +65,8 @@ pub(super) struct Versions {
     pub(super) fork: Vec<Option<VersionId>>,
     /// Versions that cannot be reasoned about.
     pub(super) broken: Vec<bool>,
+    /// By cell of a kept resource: the state it arrives in.
+    pub(super) arrival: HashMap<u32, State>,
 }
 
 impl Versions {
@@ -25,6 +74,7 @@ impl Versions {
     pub(super) fn new(description: &Description, broken: Vec<bool>) -> Self {
         let cells = Cells::new(description, &broken);
         let mut facts = Self {
+            arrival: arrival(description, &cells),
             epoch: vec![0; cells.slot_count()],
             defined: vec![false; cells.slot_count()],
             fork: vec![None; description.versions.len()],
@@ -61,6 +111,7 @@ impl Versions {
                 let kept = match resource.origin {
                     Origin::Transient => false,
                     Origin::Imported { before, .. } => before.has_contents(&resource.shape),
+                    Origin::Kept { .. } => self.arrival.get(&cell).is_some_and(|state| state.holds),
                 };
                 (0, kept)
             }

@@ -6,7 +6,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 use ash::vk;
 
 use super::{Errors, Place};
-use crate::graph::description::{Origin, Range, ResourceId, Shape, Source, Version, VersionId};
+use crate::graph::description::{Origin, Range, Resource, ResourceId, Shape, Source, Version, VersionId};
 use crate::graph::errors::ErrorKind;
 
 /// A fast hash of names: by eight bytes, each multiplied in.
@@ -87,12 +87,35 @@ pub(super) fn resources(errors: &mut Errors) {
                 }
             }
         }
-        let undefined = [vk::ImageLayout::UNDEFINED, vk::ImageLayout::PREINITIALIZED];
-        if let (Shape::Image(_), Origin::Imported { after: Some(after), .. }) = (&resource.shape, &resource.origin)
-            && undefined.contains(&after.layout)
-        {
-            let wrong = format!("is to be left in layout {:?}", after.layout);
-            errors.add(ErrorKind::BadImport, place, wrong, "any layout but UNDEFINED and PREINITIALIZED is allowed");
+        states(errors, place, resource);
+    }
+}
+
+/// States that resources from outside of the frame can arrive and be left in.
+fn states(errors: &mut Errors, place: Place, resource: &Resource) {
+    let is_image = matches!(resource.shape, Shape::Image(_));
+    let undefined = [vk::ImageLayout::UNDEFINED, vk::ImageLayout::PREINITIALIZED];
+    if let Origin::Imported { after: Some(after), .. } | Origin::Kept { after: Some(after), .. } = &resource.origin
+        && is_image
+        && undefined.contains(&after.layout)
+    {
+        let wrong = format!("is to be left in layout {:?}", after.layout);
+        errors.add(ErrorKind::BadImport, place, wrong, "any layout but UNDEFINED and PREINITIALIZED is allowed");
+    }
+    let Origin::Kept { before, .. } = &resource.origin else { return };
+    let whole = resource.shape.whole();
+    for (index, state) in before.iter().enumerate() {
+        if !state.range.lies_in(&whole) {
+            let wrong = format!("arrives in a state of {}, which is not a part of it", describe(&state.range));
+            errors.add(ErrorKind::BadImport, place, wrong, format!("it has {}", describe(&whole)));
+        }
+        if let Some(other) = before[..index].iter().find(|other| other.range.overlaps(&state.range)) {
+            let wrong = format!("arrives in two states of {} and {}", describe(&other.range), describe(&state.range));
+            errors.add(ErrorKind::BadImport, place, wrong, "each part arrives in one state");
+        }
+        if is_image && state.holds && undefined.contains(&state.access.layout) {
+            let wrong = format!("holds something in layout {:?}", state.access.layout);
+            errors.add(ErrorKind::BadImport, place, wrong, "what holds something has another layout");
         }
     }
 }
@@ -119,12 +142,7 @@ pub(super) fn versions(errors: &mut Errors) -> Vec<bool> {
             let allowed = format!("the description has {} resources", description.resources.len());
             errors.add(ErrorKind::UnknownId, Place::default(), wrong, allowed);
         }
-        let sources: &[VersionId] = match &version.source {
-            Source::Initial => &[],
-            Source::Pass { from, .. } => std::slice::from_ref(from),
-            Source::Split { of } | Source::Fork { of } => std::slice::from_ref(of),
-            Source::Join { of } => of,
-        };
+        let sources = version.source.versions();
         sources.iter().for_each(|&source| made_from(errors, index, version, source));
         if let Source::Pass { pass, .. } = version.source {
             made_by(errors, index, version, pass.0);
@@ -140,15 +158,7 @@ pub(super) fn versions(errors: &mut Errors) -> Vec<bool> {
 
 /// A range lies in its resource and holds something.
 fn range(errors: &mut Errors, version: &Version, whole: &Range) {
-    let inside = match (version.range, *whole) {
-        (Range::Buffer([first, end]), Range::Buffer([_, size])) => first < end && end <= size,
-        (Range::Image { aspects, mips, layers }, Range::Image { aspects: all, mips: [_, m], layers: [_, l] }) => {
-            let within = |[first, end]: [u32; 2], size| first < end && end <= size;
-            !aspects.is_empty() && all.contains(aspects) && within(mips, m) && within(layers, l)
-        }
-        _ => false,
-    };
-    if !inside {
+    if !version.range.lies_in(whole) {
         let wrong = format!("{} is not a part of it", describe(&version.range));
         let allowed = format!("it has {}", describe(whole));
         errors.add(ErrorKind::BadRange, Place::resource(version.resource), wrong, allowed);

@@ -1,14 +1,19 @@
 //! Finds all that is wrong with a description.
 
+mod checkpoints;
 mod ids;
 mod order;
 mod uses;
 mod versions;
 
+use std::collections::HashMap;
+
+use ash::vk::ImageUsageFlags;
+
 use super::DeviceModel;
 use super::dependencies::Dependencies;
 use super::versions::Versions;
-use crate::graph::description::{Description, Pass, ResourceId};
+use crate::graph::description::{Description, Pass, ResourceId, Shape};
 use crate::graph::errors::{ErrorKind, GraphError, GraphErrors};
 
 /// Checks everything; what depends on a wrong thing is not checked further. Gives what follows from how versions are
@@ -32,18 +37,32 @@ pub(super) fn validate(
     versions::forks(&mut errors, &versions);
 
     // 4. Passes, use by use and two by two.
+    let allowed = allowed(description, device);
     for pass in &description.passes {
-        uses::pass(&mut errors, &versions, pass, device);
+        uses::pass(&mut errors, &versions, pass, &allowed);
         uses::pairs(&mut errors, &versions, pass);
     }
 
-    // 5. Roots.
+    // 5. Roots and checkpoints.
     versions::roots(&mut errors, &versions);
+
+    checkpoints::check(&mut errors);
 
     // 6. Writers of one version, and circles.
     let dependencies = order::check(&mut errors, &versions);
 
     errors.finish((versions, dependencies))
+}
+
+/// By resource: what the device allows its format to be used for; each format is asked for once.
+fn allowed(description: &Description, device: &dyn DeviceModel) -> Vec<ImageUsageFlags> {
+    let mut known = HashMap::new();
+    let resources = description.resources.iter();
+    let usages = resources.map(|resource| match &resource.shape {
+        Shape::Image(shape) => *known.entry(shape.format).or_insert_with(|| device.image_usages(shape.format)),
+        Shape::Buffer { .. } => ImageUsageFlags::empty(),
+    });
+    usages.collect()
 }
 
 /// Errors so far.

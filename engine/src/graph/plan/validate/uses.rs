@@ -5,12 +5,12 @@ use ash::vk::{self, AccessFlags2 as Mask, PipelineStageFlags2 as Stages};
 use super::{Errors, Place};
 use crate::graph::description::{ImageShape, Pass, Queue, Range, Shape, Use};
 use crate::graph::errors::ErrorKind;
+use crate::graph::plan::Usage;
 use crate::graph::plan::usage::{COMPUTE_STAGES, KINDS, Kind, TRANSFER_STAGES, usage_of};
 use crate::graph::plan::versions::Versions;
-use crate::graph::plan::{DeviceModel, Usage};
 
 /// A pass does something, and each of its uses can be.
-pub(super) fn pass(errors: &mut Errors, versions: &Versions, pass: &Pass, device: &dyn DeviceModel) {
+pub(super) fn pass(errors: &mut Errors, versions: &Versions, pass: &Pass, allowed: &[vk::ImageUsageFlags]) {
     if pass.uses.is_empty() && pass.side_effect.is_none() {
         let allowed = "it reads or writes something, or has a side effect";
         errors.add(ErrorKind::EmptyPass, Place::pass(pass), "uses nothing", allowed);
@@ -33,7 +33,9 @@ pub(super) fn pass(errors: &mut Errors, versions: &Versions, pass: &Pass, device
         }
         writes(errors, place, used);
         match (&errors.description.resources[version.resource.0 as usize].shape, version.range) {
-            (Shape::Image(shape), Range::Image { aspects, .. }) => image(errors, place, shape, aspects, used, device),
+            (Shape::Image(shape), Range::Image { aspects, .. }) => {
+                image(errors, place, shape, aspects, used, allowed[version.resource.0 as usize]);
+            }
             _ => buffer(errors, place, used),
         }
         stages(errors, place, used);
@@ -85,7 +87,7 @@ fn image(
     shape: &ImageShape,
     aspects: vk::ImageAspectFlags,
     used: &Use,
-    device: &dyn DeviceModel,
+    allowed: vk::ImageUsageFlags,
 ) {
     let format = shape.format;
     for kind in kinds(errors, place, used, |kind| kind.on().0, "an image") {
@@ -97,7 +99,6 @@ fn image(
             let wrong = format!("{:?} in layout {:?}", kind.mask, used.access.layout);
             errors.add(ErrorKind::WrongUsage, place, wrong, format!("it works in {:?}", kind.layouts));
         }
-        let allowed = device.image_usages(format);
         if let Usage::Image(usage) = usage_of(&Shape::Image(*shape), &used.access)
             && let usage = usage & kind.usage()
             && !allowed.contains(usage)

@@ -1,0 +1,60 @@
+//! Running a frame with checkpoints, a segment at a time.
+
+use super::{Capture, Executed, Executor, Frame, Ran};
+use crate::graph::checkpoint::{self, Later};
+use crate::graph::description::Description;
+use crate::graph::history::Declared;
+use crate::graph::plan::{Plan, segment};
+use crate::{Error, Result};
+
+impl Executor<'_> {
+    /// `plan`: of the first segment.
+    pub(super) fn execute_segments(
+        &mut self,
+        mut whole: Description,
+        plan: &Plan,
+        frame: &mut Frame,
+        mut later: Vec<Later>,
+        mut histories: Vec<Declared>,
+    ) -> Result<Executed> {
+        let mut captures: Vec<Option<Capture>> = whole.roots.iter().map(|_| None).collect();
+        let mut executed = Executed::default();
+        let mut ends = Vec::new();
+        for index in 0..=whole.checkpoints.len() {
+            // 1. Plan it, by what the segments before it left. The first one was planned by the caller.
+            let mut planned = segment(&whole, index, &ends, self.gpu)?;
+            if index == 0 {
+                planned.plan = plan.clone();
+            }
+
+            // 2. Run it.
+            let ran = self.run(&planned.description, &planned.plan, frame)?;
+            let Ran { captures: read, passes, counts, recording, running } = ran;
+            executed.passes.extend(passes);
+            executed.counts.extend(counts);
+            executed.recording += recording;
+            executed.running += running;
+            planned.roots.iter().zip(read).for_each(|(&root, capture)| captures[root] = capture);
+
+            // 3. Read what the checkpoint asks for: sizes and bytes follow from it.
+            if let Some(at) = whole.checkpoints.get(index) {
+                let nothing = || Error::invalid(format!("checkpoint `{}`", at.name), "has nothing to read");
+                let capture = captures[at.root].take().ok_or_else(nothing)?;
+                let arena = frame.arena.as_ref();
+                let write = |offset, bytes: &[u8]| arena.map_or(Ok(()), |arena| arena.write(offset, bytes));
+                checkpoint::reach(&mut later, index, &capture, &mut whole, write)?;
+            }
+
+            // 4. Hand on how it left its resources; what the frame leaves is what the last one leaves.
+            ends = planned.plan.ends.clone();
+            if index == whole.checkpoints.len() {
+                self.histories.keep(std::mem::take(&mut histories), &planned.plan, &frame.memory.0);
+            }
+            if index > 0 {
+                executed.later.push(planned);
+            }
+        }
+        executed.captures = captures.into_iter().flatten().collect();
+        Ok(executed)
+    }
+}
