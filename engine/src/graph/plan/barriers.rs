@@ -26,15 +26,19 @@ pub(super) struct Pending {
     kind: Kind,
 }
 
-/// Has barriers that are chained to semaphores begin with stages that these hold up; by reliance.
-pub(super) fn chain(pending: &mut [Pending], held: &[Stages]) {
+/// Has barriers that are chained to semaphores begin with stages that these hold up; by reliance. Gives the resources
+/// they are for, ascending.
+pub(super) fn chain(context: &Context, pending: &mut [Pending], held: &[Stages]) -> Vec<ResourceId> {
+    let mut chained = Vec::new();
     for barrier in pending.iter_mut() {
         let [first, end] = barrier.relies;
         if let Some(held) = held.get(first..end).filter(|held| !held.is_empty()) {
-            let chained = held.iter().fold(Stages::NONE, |all, &stages| both(all, stages));
-            barrier.kind.from.stages = both(barrier.kind.from.stages, chained);
+            barrier.kind.from.stages = held.iter().fold(barrier.kind.from.stages, |all, &stages| both(all, stages));
+            chained.push(context.resource(barrier));
         }
     }
+    chained.sort_unstable();
+    chained
 }
 
 impl Pending {

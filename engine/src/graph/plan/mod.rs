@@ -37,7 +37,7 @@ use self::dependencies::{Dependencies, events};
 use self::history::History;
 use self::queues::{Families, RoundTrip};
 use self::versions::Versions;
-use super::description::{Access, Description, Origin, PassId, Queue};
+use super::description::{Access, Description, Origin, PassId, Queue, ResourceId};
 use super::errors::{ErrorKind, GraphError, GraphErrors};
 
 /// Plans a frame for a device; of a frame with checkpoints, what comes before the first one ([`segment`]).
@@ -112,7 +112,7 @@ fn plan_chosen(description: &Description, chosen: Chosen, device: &dyn DeviceMod
     gather::gather(&mut pending, &schedule, &crossings, &takers);
     let mut batches = queues::batches(&schedule, crossings, &takers);
     let (held, trips) = queues::narrow(&mut batches, &schedule, &reliances);
-    barriers::chain(&mut pending, &held);
+    let chained = barriers::chain(&context, &mut pending, &held);
     let steps = (0..schedule.nodes.len())
         .map(|step| Step { work: schedule.work(step), queue: schedule.queues[step], barriers: Barriers::default() })
         .collect();
@@ -135,7 +135,7 @@ fn plan_chosen(description: &Description, chosen: Chosen, device: &dyn DeviceMod
     };
     attach(&mut plan, &context, &pending);
     show_host(&mut plan);
-    drop_redundant(&mut plan, &trips, description.passes.len());
+    drop_redundant(&mut plan, &trips, &chained, description.passes.len());
     plan.statistics.count(&plan.steps, &plan.batches, &plan.finally, &plan.heaps);
     Ok(plan)
 }
@@ -201,8 +201,9 @@ fn show_host(plan: &mut Plan) {
     }
 }
 
-/// Takes out dependencies that follow from others, queue by queue. `passes`: how many the description has.
-fn drop_redundant(plan: &mut Plan, trips: &[RoundTrip], passes: usize) {
+/// Takes out dependencies that follow from others, queue by queue. `chained`: images with barriers that come behind
+/// semaphores; `passes`: how many the description has.
+fn drop_redundant(plan: &mut Plan, trips: &[RoundTrip], chained: &[ResourceId], passes: usize) {
     // By pass, then by root: its queue, and where it stands there, from 1 on.
     let node = |work: Work| match work {
         Work::Pass(pass) => pass.0 as usize,
@@ -217,7 +218,7 @@ fn drop_redundant(plan: &mut Plan, trips: &[RoundTrip], passes: usize) {
             places.get(node(work)).filter(|place| place.0 == queue && place.1 != u32::MAX).map(|place| place.1)
         }
     };
-    let mut ordered = [redundant::Ordered::default(), redundant::Ordered::default(), redundant::Ordered::default()];
+    let mut ordered = [(); 3].map(|()| redundant::Ordered::new(chained));
     let mut counts = [0; 3];
     let mut trips = trips.iter().peekable();
     for (index, batch) in plan.batches.iter().enumerate() {

@@ -10,7 +10,7 @@ use ash::vk::{AccessFlags2 as Mask, PipelineStageFlags2 as Stages};
 
 use super::stages::{COUNT, Set, bits, both, members, set, single, with_earlier, with_later, without};
 use super::{Barriers, Hazard, ImageBarrier, MemoryBarrier, Ownership, Reason, Work};
-use crate::graph::description::Access;
+use crate::graph::description::{Access, ResourceId};
 
 /// Whether scopes hold all of other scopes.
 fn holds(a: &Access, b: &Access) -> bool {
@@ -59,8 +59,9 @@ fn tenants(images: &mut [ImageBarrier], memory: &mut Vec<MemoryBarrier>) {
 
 /// What is ordered on one queue: before any later work in stage `b` begins, `done[b][a] - 1` steps, from the queue's
 /// first on, have all their work in stage `a` done, and where it is not 0, so has what came before the frame.
-#[derive(Clone, Default)]
-pub(super) struct Ordered {
+pub(super) struct Ordered<'a> {
+    /// Images with barriers whose first stages are chained to semaphores, ascending.
+    chained: &'a [ResourceId],
     done: [[u32; COUNT]; COUNT],
     /// The last barriers for all memory.
     for_all: VecDeque<ForAll>,
@@ -70,7 +71,6 @@ pub(super) struct Ordered {
 const REMEMBERED: usize = 32;
 
 /// A barrier for all memory, or a semaphore.
-#[derive(Clone)]
 struct ForAll {
     /// How many steps of the queue stand before it.
     step: u32,
@@ -81,7 +81,11 @@ struct ForAll {
     more: Set,
 }
 
-impl Ordered {
+impl<'a> Ordered<'a> {
+    pub(super) fn new(chained: &'a [ResourceId]) -> Self {
+        Self { chained, done: [[0; COUNT]; COUNT], for_all: VecDeque::new() }
+    }
+
     /// Takes out what follows from other barriers, and remembers what the rest orders. `step`: how many steps of the
     /// queue stand before; `last`: at which place of the queue some work stands, 1 for the first step, 0 for what came
     /// before the frame.
@@ -93,7 +97,8 @@ impl Ordered {
                 from.stages = unchained(&done, from.stages, before);
             }
         };
-        images.iter_mut().for_each(|barrier| chained(&mut barrier.from, barrier.reason.before));
+        let free = images.iter_mut().filter(|barrier| self.chained.binary_search(&barrier.resource).is_err());
+        free.for_each(|barrier| chained(&mut barrier.from, barrier.reason.before));
         buffers.iter_mut().for_each(|barrier| chained(&mut barrier.from, barrier.reason.before));
         let known = |from: &mut Access, to: &Access, before: Option<Work>| {
             !from.mask.is_empty() && last(before).is_some_and(|before| self.made_available(from, to, before))
