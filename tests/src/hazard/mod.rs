@@ -22,6 +22,7 @@ mod atoms;
 mod contents;
 mod device;
 mod draft;
+mod ends;
 mod frames;
 mod generate;
 mod greedy;

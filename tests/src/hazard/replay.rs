@@ -1,13 +1,11 @@
 //! Replays a plan, access by access.
 
 use ash::vk::{AccessFlags2 as Mask, ImageLayout as Layout, PipelineStageFlags2 as Stages};
-use shadowgraph::graph::description::{
-    Access, Description, Origin, Queue, Range, ResourceId, Shape, Use, Version, VersionId,
-};
+use shadowgraph::graph::description::{Access, Description, Queue, Range, ResourceId, Use, Version, VersionId};
 use shadowgraph::graph::plan::{Barriers, DeviceModel, Plan, Work};
 
 use super::atoms::Atoms;
-use super::contents::{Contents, contents, forked_from, last_versions};
+use super::contents::{Contents, contents, forked_from};
 use super::memory;
 use super::part::{Part, arrival};
 use super::record::{Kind, Record, Scopes, each, single};
@@ -15,13 +13,13 @@ use super::rules::{Effect, apply, conflict, foreign_conflict, kind};
 
 pub(super) struct Replay<'a> {
     pub(super) description: &'a Description,
-    plan: &'a Plan,
-    device: &'a dyn DeviceModel,
+    pub(super) plan: &'a Plan,
+    pub(super) device: &'a dyn DeviceModel,
     pub(super) atoms: Atoms,
     pub(super) parts: Vec<Part>,
     sharers: Vec<Vec<ResourceId>>,
     /// By root: the copy's record in host memory.
-    copies: Vec<Option<Record>>,
+    pub(super) copies: Vec<Option<Record>>,
     /// How many writes there were.
     writes: usize,
     pub(super) errors: Vec<String>,
@@ -365,7 +363,7 @@ impl<'a> Replay<'a> {
     }
 
     /// Whether a part holds what a version says. Unordered writers may see each other's writes.
-    fn holds(&self, part: &Part, version: VersionId, atom: usize, fork: Option<VersionId>) -> bool {
+    pub(super) fn holds(&self, part: &Part, version: VersionId, atom: usize, fork: Option<VersionId>) -> bool {
         if part.contents == contents(self.description, &self.atoms, version, atom) {
             return part.contents != Contents::Nothing;
         }
@@ -416,79 +414,5 @@ impl<'a> Replay<'a> {
         if used.makes.is_some() {
             self.clobber(resource);
         }
-    }
-
-    /// The state after the frame.
-    pub(super) fn end(&mut self) {
-        let description = self.description;
-        let mut wrong = Vec::new();
-        for (index, resource) in description.resources.iter().enumerate() {
-            let after = match resource.origin {
-                Origin::Transient => continue,
-                Origin::Imported { after, .. } | Origin::Kept { after, .. } => after,
-            };
-            let name = &resource.name;
-            for part in self.atoms.all(ResourceId(index as u32)).map(|atom| &self.parts[atom]) {
-                if part.released.is_some() || part.owner.is_some_and(|o| Some(o) != self.device.family(Queue::Graphics))
-                {
-                    wrong.push(format!("`{name}` is not given back to graphics"));
-                }
-                let Some(after) = after else { continue };
-                let unused = part.records.is_empty() && part.contents == Contents::Nothing;
-                if unused && matches!(resource.origin, Origin::Kept { .. }) {
-                    continue;
-                }
-                if matches!(resource.shape, Shape::Image(_)) && part.layout != after.layout {
-                    wrong.push(format!("`{name}` is left in layout {:?}, not {:?}", part.layout, after.layout));
-                }
-                let used = Use { slot: String::new(), version: VersionId(0), makes: None, reads: true, access: after };
-                let read = part.records.iter().any(|record| record.kind == Kind::Read);
-                for stage in each(single(after.stages)) {
-                    let records = part.records.iter();
-                    let what = records.filter_map(|record| conflict(record, &used, None, Queue::Graphics, stage, read));
-                    wrong.extend(what.map(|what| format!("`{name}` after the frame: {what}")));
-                }
-            }
-        }
-        for (index, resource) in description.resources.iter().enumerate() {
-            if !matches!(resource.origin, Origin::Kept { needed: true, .. }) {
-                continue;
-            }
-            for version in last_versions(description, ResourceId(index as u32)) {
-                for atom in self.atoms.of(ResourceId(index as u32), &description.versions[version.0 as usize].range) {
-                    let part = &self.parts[atom];
-                    if part.contents != contents(description, &self.atoms, version, atom) {
-                        wrong.push(format!("what is needed of `{}` is gone: {:?}", resource.name, part.contents));
-                    }
-                }
-            }
-        }
-        for root in description.roots.iter().filter(|root| !root.read_back) {
-            let Version { resource, range, .. } = description.versions[root.version.0 as usize];
-            for atom in self.atoms.of(resource, &range) {
-                if !self.holds(&self.parts[atom], root.version, atom, None) {
-                    wrong.push(format!("root `{}` is gone: {:?}", root.name, self.parts[atom].contents));
-                }
-            }
-        }
-        self.errors.extend(wrong);
-    }
-
-    /// The host reads what was copied for it, and nothing still runs.
-    pub(super) fn settle(&mut self) {
-        let mut wrong = Vec::new();
-        for copy in self.copies.iter().flatten() {
-            if !copy.is_before(Queue::Graphics, Stages::HOST.as_raw())
-                || !copy.is_visible(Queue::Graphics, Stages::HOST.as_raw(), Mask::HOST_READ)
-            {
-                wrong.push(format!("{} is not visible to the host", copy.who));
-            }
-        }
-        for record in self.parts.iter().flat_map(|part| &part.records) {
-            if !record.is_known(Queue::Graphics) {
-                wrong.push(format!("the frame ends before {} does", record.who));
-            }
-        }
-        self.errors.extend(wrong);
     }
 }

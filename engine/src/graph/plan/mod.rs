@@ -1,5 +1,6 @@
 //! Planning: from a description to a plan. Pure functions over plain data.
 
+mod apart;
 mod barriers;
 mod cells;
 mod cull;
@@ -21,6 +22,7 @@ mod usage;
 mod validate;
 mod versions;
 
+pub use apart::{Apart, apart};
 pub use device::{DeviceModel, Requirements, Usage};
 pub use output::{
     Barriers, Batch, BufferBarrier, End, Heap, ImageBarrier, Lifetime, MemoryBarrier, Ownership, Placement, Plan,

@@ -197,22 +197,23 @@ impl Conflicts {
 
 /// Orders by two keys each, the largest first.
 fn orders_to_try(blocks: &[Block]) -> impl Iterator<Item = Vec<u32>> {
-    let size = |block: &Block| u128::from(block.size);
-    let duration = |block: &Block| (block.steps[1] - block.steps[0] + 1) as u128;
-    let keys: [&dyn Fn(&Block) -> [u128; 2]; 6] = [
-        &|block| [size(block), duration(block)],
-        &|block| [size(block) * duration(block), size(block)],
-        &|block| [duration(block), size(block)],
-        &|block| [block.alignment.into(), size(block)],
-        &|block| [u128::MAX - block.steps[0] as u128, size(block)],
-        &|block| [block.steps[1] as u128, size(block)],
-    ];
-    let sorted = keys.map(|key| {
+    let key = |block: &Block, way: usize| -> [u128; 2] {
+        let size = u128::from(block.size);
+        let duration = (block.steps[1] - block.steps[0] + 1) as u128;
+        match way {
+            0 => [size, duration],
+            1 => [size * duration, size],
+            2 => [duration, size],
+            3 => [block.alignment.into(), size],
+            4 => [u128::MAX - block.steps[0] as u128, size],
+            _ => [block.steps[1] as u128, size],
+        }
+    };
+    (0..6).map(move |way| {
         let mut order: Vec<u32> = (0..blocks.len() as u32).collect();
-        order.sort_by_key(|&index| std::cmp::Reverse(key(&blocks[index as usize])));
+        order.sort_by_key(|&index| std::cmp::Reverse(key(&blocks[index as usize], way)));
         order
-    });
-    sorted.into_iter()
+    })
 }
 
 /// Draws blocks at the top forward in the order, from the best orders on in turn, and keeps what is no worse.

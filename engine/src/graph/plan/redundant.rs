@@ -216,3 +216,21 @@ fn unchained(known: &[[u32; COUNT]; COUNT], from: Stages, before: u32) -> Stages
     }
     left
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Vertex shaders come before copies, and copies, but not those, before compute shaders.
+    #[test]
+    fn a_stage_that_others_come_before_stays() {
+        let place = |stage| members(set(stage)).next().unwrap_or(COUNT);
+        let (vertex, compute, copy) = (Stages::VERTEX_SHADER, Stages::COMPUTE_SHADER, Stages::COPY);
+        let mut known = [[0; COUNT]; COUNT];
+        known[place(copy)][place(vertex)] = 5;
+        known[place(compute)][place(copy)] = 5;
+        assert_eq!(unchained(&known, vertex | copy | compute, 1), copy | compute);
+        assert_eq!(unchained(&known, copy | compute, 1), compute);
+        assert_eq!(unchained(&known, copy | compute, 5), copy | compute);
+    }
+}
