@@ -106,6 +106,22 @@ pub fn publish(gpu: &Gpu, family: &str, name: &str, figures: &[Figure], picture:
     }
 }
 
+/// As [`publish`], into any page of the book, below `docs/src`. `source`: what the figures were found on.
+pub fn publish_page(page: &str, source: &str, figures: &[Figure]) {
+    for Figure { what, value, bound } in figures {
+        println!("{page}: {what}: {value} (must be: {bound})");
+    }
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/src").join(page);
+    let text = fs::read_to_string(&page).unwrap_or_else(|error| panic!("cannot read {}: {error}", page.display()));
+    if std::env::var("SHADOWGRAPH_FIGURES").is_ok_and(|wish| wish == "write") {
+        let text =
+            replaced(&text, &block(source, figures, None)).unwrap_or_else(|why| panic!("{}: {why}", page.display()));
+        fs::write(&page, text).unwrap_or_else(|error| panic!("cannot write {}: {error}", page.display()));
+    } else if let Some(why) = stale(&text, figures, true) {
+        panic!("{}: {why}; run this test with SHADOWGRAPH_FIGURES=write", page.display());
+    }
+}
+
 fn link(name: &str, picture: &Picture) -> String {
     format!("![{}]({name}.png)\n\n*{}*\n\n", picture.caption, picture.caption)
 }

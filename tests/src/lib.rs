@@ -10,6 +10,7 @@ pub mod figures;
 pub mod harness;
 pub mod hazard;
 pub mod judge;
+pub mod packing;
 pub mod parallel;
 pub mod render;
 pub mod tiny;

@@ -18,7 +18,7 @@ const GRAPHICS: Queue = Queue::Graphics;
 /// The plan in words, without reasons and memory.
 fn lines(description: &Description, plan: &Plan) -> Vec<String> {
     let all = text(description, plan);
-    let steps = all.lines().filter(|line| !line.starts_with("heap"));
+    let steps = all.lines().filter(|line| !line.starts_with("heap") && !line.starts_with("critical path"));
     steps.filter_map(|line| line.split(" -- ").next().map(Into::into)).collect()
 }
 

@@ -18,6 +18,8 @@ pub struct Part {
     /// On its way to another family, with the layouts it goes from and to.
     pub released: Option<(Ownership, Layout, Layout)>,
     pub contents: Contents,
+    /// When it was last written; later is more.
+    pub written: usize,
 }
 
 /// The state before the frame.
@@ -29,6 +31,7 @@ pub fn arrival(description: &Description, atoms: &Atoms, device: &dyn DeviceMode
         owner: None,
         released: None,
         contents: Contents::Nothing,
+        written: 0,
     };
     let is_image = matches!(resource.shape, Shape::Image(_));
     let state = match &resource.origin {

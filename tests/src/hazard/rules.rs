@@ -60,14 +60,20 @@ pub fn conflict(
     unseen.map(|bit| format!("does not see what {} wrote ({:?})", record.who, Mask::from_raw(bit)))
 }
 
-/// Why a use may not follow a record of another resource in the same memory.
-pub fn foreign_conflict(record: &Record, used: &Use, queue: Queue, stage: u64) -> Option<String> {
+/// Why a use may not follow a record of another resource in the same memory. `next`: it is the write that comes next
+/// after the record's, which asks for a memory dependency between the two (Vulkan, "Execution and Memory
+/// Dependencies"); else a read or another write stands between them, be it a layout transition.
+pub fn foreign_conflict(record: &Record, used: &Use, queue: Queue, stage: u64, next: bool) -> Option<String> {
     if record.writes() || !used.access.writes().is_empty() {
         if !record.is_before(queue, stage) {
             return Some(format!("shares memory, and does not wait for {} of {}", kind(record), record.who));
         }
         if record.writes() && !record.is_available(queue, stage) {
             return Some(format!("shares memory, and comes before what {} wrote is available", record.who));
+        }
+        let seen = record.is_visible(queue, stage, used.access.writes());
+        if record.writes() && next && !seen {
+            return Some(format!("shares memory, and writes over what {} wrote without seeing it", record.who));
         }
     }
     None

@@ -5,7 +5,9 @@ use ash::vk::{AccessFlags2 as Mask, ImageLayout as Layout, PipelineStageFlags2 a
 use super::history::{At, Group, History, Schedule};
 use super::lifetimes::Lifetimes;
 use super::place::Placed;
-use super::queues::{Crossing, Families};
+use super::queues::{Crossing, Families, Reliance};
+use super::stages::{any, both, earliest, latest, set, with_later, without};
+use super::usage::reads;
 use super::versions::Versions;
 use super::{Barriers, BufferBarrier, Hazard, ImageBarrier, MemoryBarrier, Ownership, Reason};
 use crate::graph::description::{Access, Description, Queue, ResourceId, Shape};
@@ -17,13 +19,33 @@ pub(super) struct Pending {
     /// The step that it stands before or, where it releases, behind.
     pub(super) at: At,
     pub(super) release: bool,
+    /// The last use that it stands behind.
+    pub(super) behind: At,
+    /// First and end of the reliances on semaphores that it is chained to.
+    relies: [usize; 2],
     kind: Kind,
 }
 
+/// Has barriers that are chained to semaphores begin with stages that these hold up; by reliance. Gives the resources
+/// they are for, ascending.
+pub(super) fn chain(context: &Context, pending: &mut [Pending], held: &[Stages]) -> Vec<ResourceId> {
+    let mut chained = Vec::new();
+    for barrier in pending.iter_mut() {
+        let [first, end] = barrier.relies;
+        if let Some(held) = held.get(first..end).filter(|held| !held.is_empty()) {
+            barrier.kind.from.stages = held.iter().fold(barrier.kind.from.stages, |all, &stages| both(all, stages));
+            chained.push(context.resource(barrier));
+        }
+    }
+    chained.sort_unstable();
+    chained
+}
+
 impl Pending {
-    /// The last use that it stands behind.
-    pub(super) fn before(&self) -> At {
-        self.kind.before
+    /// Whether no memory depends on it.
+    pub(super) fn only_orders(&self) -> bool {
+        let Kind { scope, from, to, .. } = &self.kind;
+        *scope == Scope::Memory && from.mask.is_empty() && to.mask.is_empty()
     }
 }
 
@@ -72,155 +94,221 @@ pub(super) fn crossings(history: &History, cells: usize, steps: usize) -> Vec<Cr
     crossings
 }
 
-/// Every barrier of every cell.
-pub(super) fn pending(context: &Context, placed: &Placed) -> Vec<Pending> {
-    let mut pending = Vec::new();
+/// Every barrier of every cell, and what is left to semaphores.
+pub(super) fn pending(context: &Context, placed: &Placed) -> (Vec<Pending>, Vec<Reliance>) {
+    let mut found = Found::default();
+    // What the contents of a cell were made visible to since they were written.
+    let mut visible: Vec<Seen> = Vec::new();
     for cell in 0..context.versions.cells.len() as u32 {
+        found.cell = cell;
         let groups = context.history.of(cell);
         if let Some(first) = groups.first().filter(|group| group.first != At::START) {
-            first_use(context, placed, cell, first, &mut pending);
+            found.first_use(context, placed, first);
         }
-        // What the contents were made visible to since they were written.
-        let mut visible: Vec<(Stages, Mask)> = Vec::new();
+        visible.clear();
         if let Some(arrived) = groups.first().filter(|group| group.first == At::START && !group.write) {
             let Access { stages, mask, .. } = arrived.access;
-            let idle = stages.is_empty();
-            visible.push(if idle { (Stages::from_raw(!0), Mask::from_raw(!0)) } else { (stages, mask) });
+            let all = (Queue::Graphics, Stages::from_raw(!0), Mask::from_raw(!0));
+            visible.push(if stages.is_empty() { all } else { (Queue::Graphics, stages, mask) });
         }
         for pair in groups.windows(2) {
-            between(context, cell, &pair[0], &pair[1], &mut visible, &mut pending);
+            found.between(context, &pair[0], &pair[1], &mut visible);
         }
     }
-    pending.sort_by_key(|barrier| (barrier.at, barrier.release));
-    pending
+    found.pending.sort_by_key(|barrier| (barrier.at, barrier.release));
+    (found.pending, found.reliances)
 }
 
-/// The first use of a transient: its image gets a layout, its memory comes from others.
-fn first_use(context: &Context, placed: &Placed, cell: u32, first: &Group, pending: &mut Vec<Pending>) {
-    let resource = context.versions.cells.resource(cell);
-    let is_image = context.is_image(resource);
-    let (mut from, mut writers) = (Access::NONE, Access::NONE);
-    let mut old: Option<(At, ResourceId)> = None;
-    for &tenant in &placed.earlier[resource.0 as usize] {
-        for group in context.versions.cells.of(tenant).filter_map(|cell| context.history.of(cell).last()) {
-            old = old.max(Some((group.last, tenant)));
-            if group.queue != first.queue || context.lifetimes.is_done(group.last, group.queue, first.first) {
-                // A semaphore made all of it available; a transition has to come behind the semaphore.
-                from.stages |= if is_image { first.access.stages } else { Stages::NONE };
-            } else {
-                from.stages |= group.access.stages;
-                if group.write {
-                    writers.stages |= group.access.stages;
-                    writers.mask |= group.access.writes();
+/// To what the contents of a cell are visible.
+type Seen = (Queue, Stages, Mask);
+
+/// What was found so far.
+#[derive(Default)]
+struct Found {
+    /// Looked at now.
+    cell: u32,
+    pending: Vec<Pending>,
+    reliances: Vec<Reliance>,
+}
+
+impl Found {
+    fn push(&mut self, at: At, release: bool, kind: Kind) {
+        self.pending.push(Pending { cell: self.cell, at, release, behind: kind.before, relies: [0; 2], kind });
+    }
+
+    /// Some stages of `next` come behind `prev` by a semaphore; `memory`: and see what it wrote.
+    fn rely(&mut self, prev: &Group, next: &Group, stages: Stages, memory: bool) {
+        self.reliances.push(Reliance { prev: prev.last, queue: prev.queue, next: next.first, stages, memory });
+    }
+
+    /// The last barrier is chained to the reliances from this one on.
+    fn chained_from(&mut self, first: usize) {
+        if let Some(barrier) = self.pending.last_mut() {
+            barrier.relies = [first, self.reliances.len()];
+        }
+    }
+
+    /// The first use of a transient: its image gets a layout, its memory comes from others.
+    fn first_use(&mut self, context: &Context, placed: &Placed, first: &Group) {
+        let resource = context.versions.cells.resource(self.cell);
+        let is_image = context.is_image(resource);
+        let (to, after) = (first.needs(), first.first);
+        // What another resource wrote is out of reach of an image's own scopes: it takes a barrier for all memory to
+        // make it available. The transition, a write as well, stands between that and the first use.
+        let over = if is_image { execution(to) } else { Access { layout: Layout::UNDEFINED, ..to } };
+        let (mut readers, mut semaphores) = (Stages::NONE, Vec::new());
+        let mut old: Option<(At, ResourceId)> = None;
+        let start = self.pending.len();
+        for tenant in placed.earlier(resource) {
+            for group in context.versions.cells.of(tenant).filter_map(|cell| context.history.of(cell).last()) {
+                old = old.max(Some((group.last, tenant)));
+                let done = || !is_image && context.lifetimes.is_done(group.last, group.queue, first.first);
+                if group.queue != first.queue || done() {
+                    semaphores.push(group);
+                } else if group.write {
+                    let from = Access { mask: group.access.writes(), layout: Layout::UNDEFINED, ..group.access };
+                    let (hazard, before) = (Hazard::Alias { old: tenant }, group.last);
+                    let kind = Kind { scope: Scope::Memory, from, to: over, ownership: None, hazard, before, after };
+                    self.push(first.first, false, kind);
+                } else {
+                    readers = both(readers, group.access.stages);
                 }
             }
         }
+        let from = Access { stages: latest(readers), ..Access::NONE };
+        // A semaphore made all of it available; a transition has to come behind the semaphore.
+        let relying = match (is_image, from.stages.is_empty()) {
+            (false, _) => first.access.stages,
+            (true, true) => any(first.access.stages),
+            (true, false) => any(from.stages),
+        };
+        let relies = self.reliances.len();
+        semaphores.iter().for_each(|group| self.rely(group, first, relying, !is_image));
+        let hazard = old.map_or(Hazard::First, |(_, old)| Hazard::Alias { old });
+        let before = old.map_or(At::START, |(at, _)| at);
+        let kind = Kind { scope: Scope::Resource, from, to, ownership: None, hazard, before, after };
+        if is_image {
+            self.push(first.first, false, kind);
+            self.chained_from(relies);
+        } else if !from.stages.is_empty() {
+            self.push(first.first, false, Kind { scope: Scope::Memory, to: execution(to), ..kind });
+        }
+        // They stay together.
+        self.pending[start..].iter_mut().for_each(|barrier| barrier.behind = before);
     }
-    let hazard = old.map_or(Hazard::First, |(_, old)| Hazard::Alias { old });
-    let before = old.map_or(At::START, |(at, _)| at);
-    from.mask = writers.mask;
-    let (scope, to, ownership, after) = (Scope::Memory, first.access, None, first.first);
-    let kind = Kind { scope, from, to, ownership, hazard, before, after };
-    let mut push = |kind: Kind| pending.push(Pending { cell, at: first.first, release: false, kind });
-    if is_image {
-        // Its own scopes do not reach what was written through another resource: that takes a barrier for all memory.
-        // The mask is here as well because synchronisation validation judges each transition by its own barrier.
-        push(Kind { scope: Scope::Resource, ..kind });
-    }
-    if !writers.mask.is_empty() {
-        let from = if is_image { writers } else { from };
-        push(Kind { from, to: Access { layout: Layout::UNDEFINED, ..first.access }, ..kind });
-    } else if !is_image && !from.stages.is_empty() {
-        push(Kind { to: execution(first.access), ..kind });
+
+    /// What stands between two groups of a cell.
+    fn between(&mut self, context: &Context, prev: &Group, next: &Group, visible: &mut Vec<Seen>) {
+        let is_image = context.is_image(context.versions.cells.resource(self.cell));
+        let crosses = prev.queue != next.queue;
+        let keeps = next.reads && !(is_image && prev.access.layout == Layout::UNDEFINED);
+        let [old, new] = [prev, next].map(|group| context.families.of(group.queue));
+        let ownership = (crosses && keeps && old != new).then_some(Ownership { from: old, to: new });
+        let lost = is_image && crosses && old != new && !keeps;
+        let transition = is_image && (prev.access.layout != next.access.layout || lost);
+        // What arrives idle waits for nobody.
+        let idle = prev.first == At::START && prev.access.stages.is_empty() && ownership.is_none();
+        let done = || !transition && context.lifetimes.is_done(prev.last, prev.queue, next.first);
+        let synced = !idle && (crosses || done());
+
+        let hazard = match (prev.write, next.write) {
+            _ if ownership.is_some() => Hazard::Ownership,
+            _ if next.first == At::END => Hazard::Final,
+            _ if prev.first == At::START && prev.access == Access::NONE && is_image => Hazard::First,
+            (true, false) => Hazard::ReadAfterWrite,
+            (true, true) => Hazard::WriteAfterWrite,
+            (false, true) => Hazard::WriteAfterRead,
+            (false, false) if transition => Hazard::Layout,
+            (false, false) => Hazard::ReadAfterWrite,
+        };
+        let layout = if keeps || !transition { prev.access.layout } else { Layout::UNDEFINED };
+        let from = match prev.write {
+            true => Access { mask: prev.access.writes(), layout, ..prev.access },
+            false => Access { stages: latest(prev.access.stages), mask: Mask::NONE, layout },
+        };
+        let (before, after) = (prev.last, next.first);
+        let to = next.needs();
+        let kind = Kind { scope: Scope::Resource, from, to, ownership, hazard, before, after };
+
+        if ownership.is_some() {
+            let to = Access { layout: to.layout, ..Access::NONE };
+            self.push(prev.last, true, Kind { to, ..kind });
+        }
+        let unseen = if next.reads { unseen(next.queue, &to, visible) } else { Access::NONE };
+        if synced {
+            // The semaphore made everything visible. What stands here has to come behind it.
+            if transition || ownership.is_some() {
+                let stages = if next.first == At::END { Stages::ALL_COMMANDS } else { any(to.stages) };
+                let from = Access { layout, ..Access::NONE };
+                self.push(next.first, false, Kind { from, ..kind });
+                self.rely(prev, next, stages, false);
+                self.chained_from(self.reliances.len() - 1);
+                visible.clear();
+            } else if next.first != At::END || next.write || !unseen.mask.is_empty() {
+                self.rely(prev, next, to.stages, true);
+                visible.push((next.queue, to.stages, Mask::from_raw(!0)));
+            }
+        } else if transition || prev.write {
+            self.push(next.first, false, kind);
+            visible.clear();
+        } else if !unseen.mask.is_empty() {
+            // Made available by what made the earlier readers see it. A writer waits for those in all of its stages.
+            let others = if next.write { without(to.stages, with_later(set(unseen.stages))) } else { Stages::NONE };
+            let to = Access { stages: unseen.stages | earliest(others), ..unseen };
+            self.push(next.first, false, Kind { to, ..kind });
+        } else if next.write && !prev.access.stages.is_empty() {
+            self.push(
+                next.first,
+                false,
+                Kind { scope: Scope::Memory, from: execution(from), to: execution(to), ..kind },
+            );
+        }
+        if next.write {
+            visible.clear();
+        } else {
+            visible.push((next.queue, to.stages, to.mask));
+        }
     }
 }
 
-/// What stands between two groups of a cell.
-fn between(
-    context: &Context,
-    cell: u32,
-    prev: &Group,
-    next: &Group,
-    visible: &mut Vec<(Stages, Mask)>,
-    pending: &mut Vec<Pending>,
-) {
-    let is_image = context.is_image(context.versions.cells.resource(cell));
-    let crosses = prev.queue != next.queue;
-    let synced = crosses || context.lifetimes.is_done(prev.last, prev.queue, next.first);
-    let keeps = next.reads && !(is_image && prev.access.layout == Layout::UNDEFINED);
-    let [old, new] = [prev, next].map(|group| context.families.of(group.queue));
-    let ownership = (crosses && keeps && old != new).then_some(Ownership { from: old, to: new });
-    let lost = is_image && crosses && old != new && !keeps;
-    let transition = is_image && (prev.access.layout != next.access.layout || lost);
-    let written = if prev.write { prev.access.writes() } else { Mask::NONE };
+impl Group {
+    /// What has to be visible to it: its own writes alone, where what was there before does not matter.
+    fn needs(&self) -> Access {
+        if self.reads { self.access } else { Access { mask: self.access.writes(), ..self.access } }
+    }
+}
 
-    let hazard = match (prev.write, next.write) {
-        _ if ownership.is_some() => Hazard::Ownership,
-        _ if next.first == At::END => Hazard::Final,
-        _ if prev.first == At::START && prev.access == Access::NONE && is_image => Hazard::First,
-        (true, false) => Hazard::ReadAfterWrite,
-        (true, true) => Hazard::WriteAfterWrite,
-        (false, true) => Hazard::WriteAfterRead,
-        (false, false) if transition => Hazard::Layout,
-        (false, false) => Hazard::ReadAfterWrite,
+/// Stages and accesses that read what is not visible to them.
+fn unseen(queue: Queue, access: &Access, visible: &[Seen]) -> Access {
+    let sees = |stage: Stages, mask: Mask| {
+        visible.iter().any(|seen| seen.0 == queue && seen.1.contains(stage) && seen.2.contains(mask))
     };
-    let layout = if keeps { prev.access.layout } else { Layout::UNDEFINED };
-    let from = Access { stages: prev.access.stages, mask: written, layout };
-    let (before, after) = (prev.last, next.first);
-    let kind = Kind { scope: Scope::Resource, from, to: next.access, ownership, hazard, before, after };
-    let mut push = |at: At, release: bool, kind: Kind| pending.push(Pending { cell, at, release, kind });
-
-    if ownership.is_some() {
-        let to = Access { layout: next.access.layout, ..Access::NONE };
-        push(prev.last, true, Kind { to, ..kind });
+    let mut unseen = Access { layout: access.layout, ..Access::NONE };
+    for (stage, mask) in reads(access).filter(|&(stage, mask)| !sees(stage, mask)) {
+        unseen.stages |= stage;
+        unseen.mask |= mask;
     }
-    let seen = |mask: Mask| visible.iter().any(|known| known.0.contains(next.access.stages) && known.1.contains(mask));
-    if synced {
-        // The semaphore made everything visible. What stands here has to come behind it.
-        if transition || ownership.is_some() {
-            let stages = if next.access.stages.is_empty() { Stages::ALL_COMMANDS } else { next.access.stages };
-            let from = Access { stages, mask: Mask::NONE, layout };
-            push(next.first, false, Kind { from, ..kind });
-        }
-        visible.clear();
-        if !transition && ownership.is_none() {
-            visible.push((Stages::from_raw(!0), Mask::from_raw(!0)));
-        }
-    } else if transition || prev.write {
-        push(next.first, false, kind);
-        visible.clear();
-    } else if next.reads && !next.access.reads().is_empty() && !seen(next.access.reads()) {
-        // Made available by what made the earlier readers see it.
-        let to = Access { mask: next.access.reads(), ..next.access };
-        push(next.first, false, Kind { to, ..kind });
-    } else if next.write && !prev.access.stages.is_empty() {
-        let (from, to) = (execution(from), execution(next.access));
-        push(next.first, false, Kind { scope: Scope::Memory, from, to, ..kind });
-    }
-    if next.write {
-        visible.clear();
-    } else {
-        visible.push((next.access.stages, next.access.mask));
-    }
+    unseen
 }
 
 /// Only the stages.
 fn execution(access: Access) -> Access {
-    Access { stages: access.stages, ..Access::NONE }
+    Access { stages: earliest(access.stages), ..Access::NONE }
 }
 
 /// Puts barriers of one place together: cells that share one become ranges. `pending`: all of one `at`.
 pub(super) fn together(context: &Context, pending: &[Pending], barriers: &mut Barriers) {
     let mut alike: Vec<(Kind, Vec<u32>)> = Vec::new();
-    for resource in pending.chunk_by(|a, b| context.resource(a) == context.resource(b)) {
+    for chunk in pending.chunk_by(|a, b| context.resource(a) == context.resource(b)) {
+        let resource = context.resource(&chunk[0]);
+        let whole = context.versions.cells.of(resource).len() == 1;
         alike.clear();
-        for barrier in resource {
+        for barrier in chunk {
             match alike.iter_mut().find(|(kind, _)| *kind == barrier.kind) {
                 Some((_, cells)) => cells.push(barrier.cell),
-                None => alike.push((barrier.kind, vec![barrier.cell])),
+                None => alike.push((barrier.kind, if whole { Vec::new() } else { vec![barrier.cell] })),
             }
         }
-        let resource = context.resource(&resource[0]);
         for (kind, cells) in &alike {
             let reason = Reason {
                 hazard: kind.hazard,
@@ -232,7 +320,13 @@ pub(super) fn together(context: &Context, pending: &[Pending], barriers: &mut Ba
             match kind.scope {
                 Scope::Memory => barriers.memory.push(MemoryBarrier { from, to, reason }),
                 Scope::Resource => {
-                    for range in context.versions.cells.ranges(cells) {
+                    let mut one = None;
+                    let mut parts = Vec::new();
+                    match whole {
+                        true => one = Some(context.description.resources[resource.0 as usize].shape.whole()),
+                        false => parts = context.versions.cells.ranges(cells),
+                    }
+                    for range in one.into_iter().chain(parts) {
                         if context.is_image(resource) {
                             barriers.images.push(ImageBarrier { resource, range, from, to, ownership, reason });
                         } else {
@@ -254,17 +348,19 @@ impl Context<'_> {
         self.versions.cells.resource(pending.cell)
     }
 
-    /// Queues that use imported resources first: they wait for what graphics did to them before the frame, and for
-    /// their release.
-    pub(super) fn takers(&self, pending: &[Pending]) -> Vec<Queue> {
+    /// Steps on other queues than graphics that use imported resources first: they wait for what graphics did to them
+    /// before the frame, and for their release.
+    pub(super) fn takers(&self, pending: &[Pending]) -> Vec<usize> {
         let cells = 0..self.versions.cells.len() as u32;
         let arrived = cells.filter_map(|cell| match self.history.of(cell) {
-            [first, next, ..] if first.first == At::START && !first.access.stages.is_empty() => Some(next.queue),
+            [first, next, ..] if first.first == At::START && !first.access.stages.is_empty() => next.first.index(),
             _ => None,
         });
         let releases = pending.iter().filter(|barrier| barrier.release && barrier.at == At::START);
         let released = releases.filter_map(|barrier| barrier.kind.after.index());
-        let takers = arrived.chain(released.map(|step| self.schedule.queues[step]));
-        takers.filter(|queue| *queue != Queue::Graphics).collect()
+        let takers = arrived.chain(released).filter(|&step| self.schedule.queues[step] != Queue::Graphics);
+        let mut takers: Vec<usize> = takers.collect();
+        takers.sort_unstable();
+        takers
     }
 }

@@ -27,6 +27,9 @@ pub(super) fn cull(description: &Description, versions: &Versions) -> (Vec<bool>
         need.sources(version, slot);
     }
     let live = need.live;
+    if live.iter().all(|live| *live) {
+        return (live, Vec::new());
+    }
     let readers = readers(description);
     let dead = (0..live.len()).filter(|&index| !live[index]);
     let culled = dead.map(|index| (PassId(index as u32), reason(description, &readers, &live, index))).collect();

@@ -107,19 +107,26 @@ fn done(schedule: &Schedule, crossings: &[Crossing]) -> Vec<[usize; 3]> {
 }
 
 /// When each part of each resource is in use, parts of equal lifetime together.
-pub(super) fn report(versions: &Versions, history: &History, resources: usize) -> Vec<Lifetime> {
+pub(super) fn report(description: &Description, versions: &Versions, history: &History) -> Vec<Lifetime> {
+    let resources = description.resources.len();
     let mut lifetimes = Vec::with_capacity(resources);
     for resource in (0..resources as u32).map(ResourceId) {
-        let mut spans: Vec<([usize; 2], Vec<u32>)> = Vec::new();
-        for cell in versions.cells.of(resource) {
-            let groups = history.of(cell).iter();
-            let steps = groups.flat_map(|group| [group.first, group.last]).filter_map(At::index);
+        let span = |cell: u32| {
+            let steps = history.of(cell).iter().flat_map(|group| [group.first, group.last]).filter_map(At::index);
             let (first, last) = steps.fold((usize::MAX, 0), |(a, b), step| (a.min(step), b.max(step)));
-            if first <= last {
-                match spans.iter_mut().find(|(span, _)| *span == [first, last]) {
-                    Some((_, cells)) => cells.push(cell),
-                    None => spans.push(([first, last], vec![cell])),
-                }
+            (first <= last).then_some([first, last])
+        };
+        let cells = versions.cells.of(resource);
+        if cells.len() == 1 {
+            let range = description.resources[resource.0 as usize].shape.whole();
+            lifetimes.extend(span(cells.start).map(|steps| Lifetime { resource, range, steps }));
+            continue;
+        }
+        let mut spans: Vec<([usize; 2], Vec<u32>)> = Vec::new();
+        for (cell, steps) in cells.filter_map(|cell| Some((cell, span(cell)?))) {
+            match spans.iter_mut().find(|(known, _)| *known == steps) {
+                Some((_, cells)) => cells.push(cell),
+                None => spans.push((steps, vec![cell])),
             }
         }
         for (steps, cells) in spans {

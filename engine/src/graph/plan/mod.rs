@@ -1,5 +1,6 @@
 //! Planning: from a description to a plan. Pure functions over plain data.
 
+mod apart;
 mod barriers;
 mod cells;
 mod cull;
@@ -10,15 +11,18 @@ mod history;
 mod lifetimes;
 mod order;
 mod output;
+mod pack;
 mod place;
 mod queues;
 mod reason;
 mod redundant;
 mod segments;
+mod stages;
 mod usage;
 mod validate;
 mod versions;
 
+pub use apart::{Apart, apart};
 pub use device::{DeviceModel, Requirements, Usage};
 pub use output::{
     Barriers, Batch, BufferBarrier, End, Heap, ImageBarrier, Lifetime, MemoryBarrier, Ownership, Placement, Plan,
@@ -28,16 +32,14 @@ pub use reason::{CullReason, Hazard, Reason};
 pub use segments::{Segment, segment};
 pub(super) use versions::held_at_the_end;
 
-use std::collections::HashMap;
-
 use ash::vk::ImageLayout as Layout;
 
 use self::barriers::Context;
 use self::dependencies::{Dependencies, events};
 use self::history::History;
-use self::queues::Families;
+use self::queues::{Families, RoundTrip};
 use self::versions::Versions;
-use super::description::{Access, Description, Origin, PassId, Queue};
+use super::description::{Access, Description, Origin, PassId, Queue, ResourceId};
 use super::errors::{ErrorKind, GraphError, GraphErrors};
 
 /// Plans a frame for a device; of a frame with checkpoints, what comes before the first one ([`segment`]).
@@ -58,20 +60,23 @@ struct Chosen {
     /// By pass.
     live: Vec<bool>,
     culled: Vec<(PassId, CullReason)>,
+    /// Who waits for whom, where that is known.
+    dependencies: Option<Dependencies>,
 }
 
 fn choose(description: &Description, device: &dyn DeviceModel) -> Result<Chosen, GraphErrors> {
     // 1. Find everything that is wrong.
-    let versions = validate::validate(description, device)?;
+    let (versions, dependencies) = validate::validate(description, device)?;
 
     // 2. Leave out what no root and no side effect needs.
     let (live, culled) = cull::cull(description, &versions);
     cull::check_kept(description, &versions, &live)?;
-    Ok(Chosen { versions, live, culled })
+    let dependencies = culled.is_empty().then_some(dependencies);
+    Ok(Chosen { versions, live, culled, dependencies })
 }
 
 fn plan_chosen(description: &Description, chosen: Chosen, device: &dyn DeviceModel) -> Result<Plan, GraphErrors> {
-    let Chosen { versions, live, culled } = chosen;
+    let Chosen { versions, live, culled, dependencies } = chosen;
 
     // 3. What each resource is used for, and the memory it takes.
     let usages = usage::usages(description, &live);
@@ -80,7 +85,7 @@ fn plan_chosen(description: &Description, chosen: Chosen, device: &dyn DeviceMod
 
     // 4. Put passes and read-backs in order.
     let nodes = description.passes.len() + description.roots.len();
-    let dependencies = Dependencies::new(&events(description, &versions, &live), nodes);
+    let dependencies = dependencies.unwrap_or_else(|| Dependencies::new(&events(description, &versions, &live), nodes));
     let order = order::order(description, &dependencies, &live, &bytes);
 
     // 5. Give each a queue.
@@ -104,9 +109,12 @@ fn plan_chosen(description: &Description, chosen: Chosen, device: &dyn DeviceMod
         lifetimes: &lifetimes,
         families,
     };
-    let mut pending = barriers::pending(&context, &placed);
-    gather::gather(&mut pending, &schedule, &crossings);
-    let batches = queues::batches(&schedule, crossings, &context.takers(&pending));
+    let (mut pending, reliances) = barriers::pending(&context, &placed);
+    let takers = context.takers(&pending);
+    gather::gather(&mut pending, &schedule, &crossings, &takers);
+    let mut batches = queues::batches(&schedule, crossings, &takers);
+    let (held, trips) = queues::narrow(&mut batches, &schedule, &reliances);
+    let chained = barriers::chain(&context, &mut pending, &held);
     let steps = (0..schedule.nodes.len())
         .map(|step| Step { work: schedule.work(step), queue: schedule.queues[step], barriers: Barriers::default() })
         .collect();
@@ -119,7 +127,7 @@ fn plan_chosen(description: &Description, chosen: Chosen, device: &dyn DeviceMod
         placements: placed.placements,
         heaps: placed.heaps,
         usages,
-        lifetimes: lifetimes::report(&versions, &history, description.resources.len()),
+        lifetimes: lifetimes::report(description, &versions, &history),
         ends: history::ends(description, &versions, &history),
         statistics: Statistics {
             lower_bound_bytes: placed.lower_bound,
@@ -129,7 +137,7 @@ fn plan_chosen(description: &Description, chosen: Chosen, device: &dyn DeviceMod
     };
     attach(&mut plan, &context, &pending);
     show_host(&mut plan);
-    drop_redundant(&mut plan);
+    drop_redundant(&mut plan, &trips, &chained, description.passes.len());
     plan.statistics.count(&plan.steps, &plan.batches, &plan.finally, &plan.heaps);
     Ok(plan)
 }
@@ -195,29 +203,41 @@ fn show_host(plan: &mut Plan) {
     }
 }
 
-/// Takes out dependencies that follow from others, queue by queue.
-fn drop_redundant(plan: &mut Plan) {
-    let mut places: HashMap<Work, (Queue, u32)> = HashMap::new();
-    let mut ordered = [redundant::Ordered::default(), redundant::Ordered::default(), redundant::Ordered::default()];
-    let mut counts = [0; 3];
-    for step in &mut plan.steps {
-        let queue = step.queue as usize;
-        if !step.barriers.is_empty() {
-            ordered[queue].filter(&mut step.barriers, counts[queue], |work| place(&places, step.queue, work));
-        }
-        counts[queue] += 1;
-        places.insert(step.work, (step.queue, counts[queue]));
-    }
-    let graphics = Queue::Graphics;
-    ordered[0].filter(&mut plan.finally, counts[0], |work| place(&places, graphics, work));
-}
-
-/// Where some work stands on a queue, from 1 on; 0 is what came before the frame, all of it on graphics.
-fn place(places: &HashMap<Work, (Queue, u32)>, queue: Queue, work: Option<Work>) -> Option<u32> {
-    match work {
+/// Takes out dependencies that follow from others, queue by queue. `chained`: images with barriers that come behind
+/// semaphores; `passes`: how many the description has.
+fn drop_redundant(plan: &mut Plan, trips: &[RoundTrip], chained: &[ResourceId], passes: usize) {
+    // By pass, then by root: its queue, and where it stands there, from 1 on.
+    let node = |work: Work| match work {
+        Work::Pass(pass) => pass.0 as usize,
+        Work::ReadBack(root) => passes + root,
+    };
+    let nodes = plan.steps.iter().map(|step| node(step.work) + 1).max().unwrap_or(0);
+    let mut places = vec![(Queue::Graphics, u32::MAX); nodes];
+    // What came before the frame stands at 0, all of it on graphics.
+    let place = |places: &[(Queue, u32)], queue: Queue, work: Option<Work>| match work {
         None => (queue == Queue::Graphics).then_some(0),
-        Some(work) => places.get(&work).filter(|place| place.0 == queue).map(|place| place.1),
+        Some(work) => {
+            places.get(node(work)).filter(|place| place.0 == queue && place.1 != u32::MAX).map(|place| place.1)
+        }
+    };
+    let mut ordered = [(); 3].map(|()| redundant::Ordered::new(chained));
+    let mut counts = [0; 3];
+    let mut trips = trips.iter().peekable();
+    for (index, batch) in plan.batches.iter().enumerate() {
+        let queue = batch.queue as usize;
+        while let Some(trip) = trips.next_if(|trip| trip.batch == index) {
+            ordered[queue].wait(trip.stages, trip.steps);
+        }
+        for &step in &batch.steps {
+            let step = &mut plan.steps[step];
+            if !step.barriers.is_empty() {
+                ordered[queue].filter(&mut step.barriers, counts[queue], |work| place(&places, batch.queue, work));
+            }
+            counts[queue] += 1;
+            places[node(step.work)] = (batch.queue, counts[queue]);
+        }
     }
+    ordered[0].filter(&mut plan.finally, counts[0], |work| place(&places, Queue::Graphics, work));
 }
 
 impl Statistics {

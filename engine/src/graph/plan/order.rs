@@ -56,8 +56,9 @@ pub(super) fn order(description: &Description, dependencies: &Dependencies, live
 /// Which transients are alive.
 struct Memory<'a> {
     bytes: &'a [u64],
-    /// By node: resources it uses, each once.
-    used: Vec<Vec<ResourceId>>,
+    /// By node, then the total: where the resources that it uses begin, each once.
+    first: Vec<u32>,
+    used: Vec<ResourceId>,
     /// By resource: nodes that still use it. Kept roots count as one.
     left: Vec<u32>,
     alive: Vec<bool>,
@@ -68,24 +69,30 @@ impl<'a> Memory<'a> {
         let resource =
             |version: crate::graph::description::VersionId| description.versions[version.0 as usize].resource;
         let mut left = vec![0; description.resources.len()];
-        let passes = description.passes.iter().map(|pass| pass.uses.iter().map(|used| used.version).collect());
-        let roots = description.roots.iter().map(|root| vec![root.version]);
-        let mut used: Vec<Vec<ResourceId>> = Vec::new();
-        for (node, versions) in passes.chain(roots).enumerate() {
-            let mut resources: Vec<_> = Vec::new();
-            if is_live(node as Node) {
-                let transients = versions.into_iter().map(resource).filter(|id| bytes[id.0 as usize] > 0);
-                resources = transients.collect();
-                resources.sort_unstable();
-                resources.dedup();
+        let passes = description.passes.len();
+        let nodes = passes + description.roots.len();
+        let (mut first, mut used) = (Vec::with_capacity(nodes + 1), Vec::with_capacity(nodes * 2));
+        first.push(0);
+        for node in 0..nodes {
+            let from = used.len();
+            let mut add = |version| {
+                let id: ResourceId = resource(version);
+                if bytes[id.0 as usize] > 0 && !used[from..].contains(&id) {
+                    left[id.0 as usize] += 1;
+                    used.push(id);
+                }
+            };
+            match node.checked_sub(passes) {
+                _ if !is_live(node as Node) => {}
+                None => description.passes[node].uses.iter().for_each(|used| add(used.version)),
+                Some(root) => add(description.roots[root].version),
             }
-            resources.iter().for_each(|id| left[id.0 as usize] += 1);
-            used.push(resources);
+            first.push(used.len() as u32);
         }
         for root in description.roots.iter().filter(|root| !root.read_back) {
             left[resource(root.version).0 as usize] += 1;
         }
-        Self { bytes, used, left, alive: vec![false; description.resources.len()] }
+        Self { bytes, first, used, left, alive: vec![false; description.resources.len()] }
     }
 
     /// Bytes that running a node frees, less those it takes.
@@ -96,11 +103,15 @@ impl<'a> Memory<'a> {
             let freed = if self.left[index] == 1 { bytes } else { 0 };
             freed - if self.alive[index] { 0 } else { bytes }
         };
-        self.used[node as usize].iter().map(change).sum()
+        self.of(node).iter().map(change).sum()
+    }
+
+    fn of(&self, node: Node) -> &[ResourceId] {
+        &self.used[self.first[node as usize] as usize..self.first[node as usize + 1] as usize]
     }
 
     fn run(&mut self, node: Node) {
-        for id in &self.used[node as usize] {
+        for id in &self.used[self.first[node as usize] as usize..self.first[node as usize + 1] as usize] {
             self.alive[id.0 as usize] = true;
             self.left[id.0 as usize] -= 1;
         }

@@ -4,36 +4,13 @@
 //! for, and barriers chain where the second stages of one and the first stages of a later one have one in common. So
 //! a write that must wait for reads often does already.
 
+use std::collections::VecDeque;
+
 use ash::vk::{AccessFlags2 as Mask, PipelineStageFlags2 as Stages};
 
-use super::{Barriers, MemoryBarrier, Ownership, Work};
-use crate::graph::description::Access;
-
-/// Stages in the order that the graphics pipeline goes through them, then those outside of it.
-const STAGES: [Stages; 18] = [
-    Stages::DRAW_INDIRECT,
-    Stages::INDEX_INPUT,
-    Stages::VERTEX_ATTRIBUTE_INPUT,
-    Stages::VERTEX_SHADER,
-    Stages::TESSELLATION_CONTROL_SHADER,
-    Stages::TESSELLATION_EVALUATION_SHADER,
-    Stages::GEOMETRY_SHADER,
-    Stages::EARLY_FRAGMENT_TESTS,
-    Stages::FRAGMENT_SHADER,
-    Stages::LATE_FRAGMENT_TESTS,
-    Stages::COLOR_ATTACHMENT_OUTPUT,
-    Stages::COMPUTE_SHADER,
-    Stages::COPY,
-    Stages::BLIT,
-    Stages::RESOLVE,
-    Stages::CLEAR,
-    Stages::HOST,
-    // Anything else: never taken to be ordered.
-    Stages::NONE,
-];
-const COUNT: usize = STAGES.len();
-/// Stages of the graphics pipeline.
-const PIPELINE: usize = 11;
+use super::stages::{COUNT, Set, bits, both, members, set, single, with_earlier, with_later, without};
+use super::{Barriers, Hazard, ImageBarrier, MemoryBarrier, Ownership, Reason, Work};
+use crate::graph::description::{Access, ResourceId};
 
 /// Whether scopes hold all of other scopes.
 fn holds(a: &Access, b: &Access) -> bool {
@@ -62,112 +39,198 @@ fn subsumed(barriers: &mut Vec<MemoryBarrier>) {
     *barriers = kept;
 }
 
-/// Stages as bits of their places above.
-type Set = u32;
-
-fn set(stages: Stages) -> Set {
-    if stages.contains(Stages::ALL_COMMANDS) {
-        return (1 << COUNT) - 1;
-    }
-    let mut rest = stages;
-    let mut set = 0;
-    if stages.contains(Stages::ALL_TRANSFER) {
-        rest &= !Stages::ALL_TRANSFER;
-        set |= [12, 13, 14, 15].iter().fold(0, |all, place| all | 1 << place);
-    }
-    for (place, stage) in STAGES.iter().enumerate().filter(|(_, stage)| !stage.is_empty()) {
-        if rest.contains(*stage) {
-            set |= 1 << place;
-            rest &= !*stage;
+/// Has the first transition of an image wait for the earlier tenants of its memory, as the barriers for all memory that
+/// stand beside it do. These are left out where they made nothing available. The masks are here as well because
+/// synchronisation validation judges each transition by its own barrier.
+fn tenants(images: &mut [ImageBarrier], memory: &mut Vec<MemoryBarrier>) {
+    let is_tenant = |reason: &Reason| matches!(reason.hazard, Hazard::Alias { .. });
+    for image in images.iter_mut().filter(|image| is_tenant(&image.reason)) {
+        let resource = Some(image.resource);
+        for barrier in memory.iter().filter(|other| is_tenant(&other.reason) && other.reason.resource == resource) {
+            image.from.stages = both(image.from.stages, barrier.from.stages);
+            image.from.mask |= barrier.from.mask;
         }
     }
-    if rest.is_empty() { set } else { set | 1 << (COUNT - 1) }
+    let transitions = |barrier: &MemoryBarrier| {
+        images.iter().any(|image| is_tenant(&image.reason) && Some(image.resource) == barrier.reason.resource)
+    };
+    memory.retain(|barrier| !(is_tenant(&barrier.reason) && barrier.from.mask.is_empty() && transitions(barrier)));
 }
 
-fn members(set: Set) -> impl Iterator<Item = usize> {
-    (0..COUNT).filter(move |place| set & (1 << place) != 0)
-}
-
-/// With the stages that come before them in the pipeline: the first scope of a dependency has them too.
-fn with_earlier(set: Set) -> Set {
-    let last = members(set).filter(|place| *place < PIPELINE).last();
-    set | last.map_or(0, |last| (1 << (last + 1)) - 1) | Set::from(set & (1 << PIPELINE) != 0)
-}
-
-/// With the stages that come after them in the pipeline: the second scope of a dependency has them too.
-fn with_later(set: Set) -> Set {
-    let pipeline: Set = (1 << PIPELINE) - 1;
-    let first = members(set).find(|place| *place < PIPELINE);
-    let compute = if set & 1 != 0 { 1 << PIPELINE } else { 0 };
-    set | first.map_or(0, |first| pipeline & !((1 << first) - 1)) | compute
-}
-
-/// What is ordered on one queue: before any later work in stage `b` begins, `done[a][b] - 1` steps, from the queue's
+/// What is ordered on one queue: before any later work in stage `b` begins, `done[b][a] - 1` steps, from the queue's
 /// first on, have all their work in stage `a` done, and where it is not 0, so has what came before the frame.
-#[derive(Clone, Default)]
-pub(super) struct Ordered {
+pub(super) struct Ordered<'a> {
+    /// Images with barriers whose first stages are chained to semaphores, ascending.
+    chained: &'a [ResourceId],
     done: [[u32; COUNT]; COUNT],
+    /// The last barriers for all memory.
+    for_all: VecDeque<ForAll>,
 }
 
-impl Ordered {
+/// How many barriers for all memory are remembered: bounds the cost of frames with many.
+const REMEMBERED: usize = 32;
+
+/// A barrier for all memory, or a semaphore.
+struct ForAll {
+    /// How many steps of the queue stand before it.
+    step: u32,
+    from: Access,
+    to: Access,
+    /// Stages whose later work comes behind it, and those that the call of barriers looked at adds.
+    behind: Set,
+    more: Set,
+}
+
+impl<'a> Ordered<'a> {
+    pub(super) fn new(chained: &'a [ResourceId]) -> Self {
+        Self { chained, done: [[0; COUNT]; COUNT], for_all: VecDeque::new() }
+    }
+
     /// Takes out what follows from other barriers, and remembers what the rest orders. `step`: how many steps of the
     /// queue stand before; `last`: at which place of the queue some work stands, 1 for the first step, 0 for what came
     /// before the frame.
     pub(super) fn filter(&mut self, barriers: &mut Barriers, step: u32, last: impl Fn(Option<Work>) -> Option<u32>) {
-        subsumed(&mut barriers.memory);
         let Barriers { images, buffers, memory } = barriers;
+        let done = self.done;
+        let chained = |from: &mut Access, before: Option<Work>| {
+            if let Some(before) = last(before).filter(|_| from.mask.is_empty()) {
+                from.stages = unchained(&done, from.stages, before);
+            }
+        };
+        let free = images.iter_mut().filter(|barrier| self.chained.binary_search(&barrier.resource).is_err());
+        free.for_each(|barrier| chained(&mut barrier.from, barrier.reason.before));
+        buffers.iter_mut().for_each(|barrier| chained(&mut barrier.from, barrier.reason.before));
+        let known = |from: &mut Access, to: &Access, before: Option<Work>| {
+            !from.mask.is_empty() && last(before).is_some_and(|before| self.made_available(from, to, before))
+        };
+        memory.retain_mut(|barrier| !known(&mut barrier.from, &barrier.to, barrier.reason.before));
+        images.retain_mut(|barrier| {
+            !known(&mut barrier.from, &barrier.to, barrier.reason.before) || barrier.ownership.is_some()
+        });
+        buffers.retain_mut(|barrier| {
+            !known(&mut barrier.from, &barrier.to, barrier.reason.before) || barrier.ownership.is_some()
+        });
+        tenants(images, memory);
+        subsumed(memory);
         let covered = |from: &Access, to: &Access, ownership: &Option<Ownership>| {
             let same = from.layout == to.layout && ownership.is_none();
             same && memory.iter().any(|barrier| holds(&barrier.from, from) && holds(&barrier.to, to))
         };
         images.retain(|barrier| !covered(&barrier.from, &barrier.to, &barrier.ownership));
         buffers.retain(|barrier| !covered(&barrier.from, &barrier.to, &barrier.ownership));
-        let known = self.clone();
-        let mut apply = |from: &Access, to: &Access| self.apply(&known, from.stages, to.stages, step);
-        barriers.images.iter().for_each(|barrier| apply(&barrier.from, &barrier.to));
-        barriers.buffers.iter().for_each(|barrier| apply(&barrier.from, &barrier.to));
-        barriers
-            .memory
-            .iter()
-            .filter(|barrier| is_strong(barrier))
-            .for_each(|barrier| apply(&barrier.from, &barrier.to));
-        barriers.memory.retain_mut(|barrier| {
+        let mut apply = |from: &Access, to: &Access| self.apply(&done, from.stages, to.stages, step);
+        images.iter().for_each(|barrier| apply(&barrier.from, &barrier.to));
+        buffers.iter().for_each(|barrier| apply(&barrier.from, &barrier.to));
+        memory.iter().filter(|barrier| is_strong(barrier)).for_each(|barrier| apply(&barrier.from, &barrier.to));
+        memory.retain_mut(|barrier| {
             if is_strong(barrier) {
+                self.remember(step, barrier.from, barrier.to);
                 return true;
             }
             if let Some(before) = last(barrier.reason.before) {
-                barrier.from.stages = self.missing(barrier.from.stages, barrier.to.stages, before);
+                let missing = self.missing(barrier.from.stages, barrier.to.stages, before);
+                barrier.from.stages = unchained(&done, missing, before);
             }
             let keep = !barrier.from.stages.is_empty();
             if keep {
-                self.apply(&known, barrier.from.stages, barrier.to.stages, step);
+                self.apply(&done, barrier.from.stages, barrier.to.stages, step);
             }
             keep
         });
+        self.for_all.iter_mut().for_each(|other| other.behind |= std::mem::take(&mut other.more));
     }
 
-    fn apply(&mut self, known: &Ordered, from: Stages, to: Stages, step: u32) {
-        let (from, to) = (with_earlier(set(from)), with_later(set(to)));
-        for a in 0..COUNT - 1 {
-            let chained = members(from).map(|via| known.done[a][via]).max().unwrap_or(0);
-            let done = if from & (1 << a) != 0 { step + 1 } else { chained };
-            for b in members(to) {
-                self.done[a][b] = self.done[a][b].max(done);
+    /// Whether a barrier for all memory made writes available and visible that were over at the place `before`. Where
+    /// it only made them available, to what they are to be chained with, that is left of the first scopes.
+    fn made_available(&self, from: &mut Access, to: &Access, before: u32) -> bool {
+        let later = self.for_all.iter().rev().take_while(|other| other.step >= before);
+        for other in later.filter(|other| holds(&other.from, from)) {
+            if holds(&other.to, to) && from.layout == to.layout && !to.mask.is_empty() {
+                return true;
             }
+            // A transition may as well come behind the stages that it stands before.
+            let stages = set(from.stages) | if to.mask.is_empty() { set(to.stages) } else { 0 };
+            let mut chained = members(stages).filter(|&stage| with_earlier(1 << stage) & other.behind != 0);
+            if let Some(stage) = chained.next() {
+                *from = Access { stages: single(stage), mask: Mask::NONE, ..*from };
+                return false;
+            }
+        }
+        false
+    }
+
+    fn remember(&mut self, step: u32, from: Access, to: Access) {
+        if self.for_all.len() == REMEMBERED {
+            self.for_all.pop_front();
+        }
+        self.for_all.push_back(ForAll { step, from, to, behind: with_later(set(to.stages)), more: 0 });
+    }
+
+    /// A semaphore came round from this queue by way of another: `steps` of the queue are done, and visible to these
+    /// stages.
+    pub(super) fn wait(&mut self, stages: Stages, steps: u32) {
+        let all = Access { stages: Stages::ALL_COMMANDS, mask: Mask::from_raw(!0), ..Access::NONE };
+        self.remember(steps, all, Access { stages, ..all });
+        for b in members(with_later(set(stages))) {
+            self.done[b].iter_mut().for_each(|done| *done = (*done).max(steps + 1));
+        }
+    }
+
+    fn apply(&mut self, known: &[[u32; COUNT]; COUNT], from: Stages, to: Stages, step: u32) {
+        let (from, to) = (with_earlier(set(from)), with_later(set(to)));
+        for other in self.for_all.iter_mut().filter(|other| other.step < step && other.behind & from != 0) {
+            other.more |= to;
+        }
+        let mut chained = [0; COUNT];
+        for via in members(from) {
+            chained.iter_mut().zip(&known[via]).for_each(|(done, known)| *done = (*done).max(*known));
+        }
+        members(from).for_each(|a| chained[a] = step + 1);
+        for b in members(to) {
+            self.done[b].iter_mut().zip(&chained).for_each(|(done, chained)| *done = (*done).max(*chained));
         }
     }
 
     /// The first stages that some second stage does not wait for yet, up to the place `before`.
     fn missing(&self, from: Stages, to: Stages, before: u32) -> Stages {
         let to = set(to);
-        let ordered = |a: usize| members(to).all(|b| a < COUNT - 1 && self.done[a][b] > before);
-        let single = STAGES.iter().enumerate().filter(|(a, stage)| !stage.is_empty() && ordered(*a));
-        let done = single.fold(Stages::NONE, |all, (_, stage)| all | *stage);
-        let rest = from & !done;
-        let transfers = [12, 13, 14, 15];
-        if rest.contains(Stages::ALL_TRANSFER) && transfers.into_iter().all(ordered) {
-            return rest & !Stages::ALL_TRANSFER;
+        let ordered = |a: &usize| members(to).all(|b| self.done[b][*a] > before);
+        without(from, members(set(from)).filter(|&a| a < COUNT - 1).filter(ordered).fold(0, |done, a| done | 1 << a))
+    }
+}
+
+/// First stages without those that come before another one of them, which stays, up to the place `before`.
+fn unchained(known: &[[u32; COUNT]; COUNT], from: Stages, before: u32) -> Stages {
+    let (mut left, mut stays) = (from, Stages::NONE);
+    for stage in bits(from.as_raw()).map(Stages::from_raw) {
+        let ordered = |other: &Stages| {
+            let behind = with_earlier(set(*other));
+            let chained = |a: usize| a < COUNT - 1 && members(behind).any(|b| known[b][a] > before);
+            members(set(stage)).all(chained)
+        };
+        let mut others = bits((left & !stage).as_raw()).map(Stages::from_raw);
+        if let Some(other) = others.find(ordered).filter(|_| !stays.contains(stage)) {
+            left &= !stage;
+            stays |= other;
         }
-        rest
+    }
+    left
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Vertex shaders come before copies, and copies, but not those, before compute shaders.
+    #[test]
+    fn a_stage_that_others_come_before_stays() {
+        let place = |stage| members(set(stage)).next().unwrap_or(COUNT);
+        let (vertex, compute, copy) = (Stages::VERTEX_SHADER, Stages::COMPUTE_SHADER, Stages::COPY);
+        let mut known = [[0; COUNT]; COUNT];
+        known[place(copy)][place(vertex)] = 5;
+        known[place(compute)][place(copy)] = 5;
+        assert_eq!(unchained(&known, vertex | copy | compute, 1), copy | compute);
+        assert_eq!(unchained(&known, copy | compute, 1), compute);
+        assert_eq!(unchained(&known, copy | compute, 5), copy | compute);
     }
 }

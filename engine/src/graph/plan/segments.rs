@@ -51,7 +51,7 @@ pub fn segment(
     let culled = culled.map(|(pass, why)| (PassId(pass.0 - passes.start as u32), why.clone())).collect();
     let versions = Versions::new(&description, vec![false; description.versions.len()]);
     let live = chosen.live[passes.clone()].to_vec();
-    let mut plan = plan_chosen(&description, Chosen { versions, live, culled }, device)?;
+    let mut plan = plan_chosen(&description, Chosen { versions, live, culled, dependencies: None }, device)?;
 
     // 4. What is alive over a checkpoint is made once, for the uses of all segments.
     let usages = usage::usages(whole, &chosen.live);

@@ -6,6 +6,7 @@ use ash::vk::{
 };
 
 use super::Usage;
+use super::stages::bits;
 use crate::graph::description::{Access, Description, Root, Shape, Use};
 
 const SHADERS: Stages = Stages::from_raw(
@@ -164,6 +165,15 @@ pub(super) const COMPUTE_STAGES: Stages = Stages::from_raw(
 /// Stages that a transfer queue has.
 pub(super) const TRANSFER_STAGES: Stages =
     Stages::from_raw(Stages::ALL_TRANSFER.as_raw() | Stages::COPY.as_raw() | Stages::CLEAR.as_raw());
+
+/// Each stage of an access with each of its masks that reads in that stage.
+pub(super) fn reads(access: &Access) -> impl Iterator<Item = (Stages, Mask)> {
+    let (stages, mask) = (access.stages, access.reads());
+    KINDS.iter().filter(move |kind| mask.contains(kind.mask)).flat_map(move |kind| {
+        let able = bits((stages & kind.stages).as_raw()).map(Stages::from_raw);
+        able.map(|stage| (stage, kind.mask))
+    })
+}
 
 /// Usage flags that one access of a resource asks for.
 pub(super) fn usage_of(shape: &Shape, access: &Access) -> Usage {

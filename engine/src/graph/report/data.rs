@@ -2,11 +2,12 @@
 
 use serde::Serialize;
 
+use super::path::critical_path;
 use crate::graph::description::{Access, Description, Range, Resource, ResourceId, Shape, Use};
-use crate::graph::plan::{Barriers, Ownership, Plan, Reason, Statistics, Work};
+use crate::graph::plan::{Barriers, Batch, Ownership, Plan, Reason, Statistics, Wait, Work, apart};
 
 /// Name of the form of [`Report`], with its version.
-pub const SCHEMA: &str = "shadowgraph.graph/1.0";
+pub const SCHEMA: &str = "shadowgraph.graph/1.1";
 
 /// A description and its plan.
 #[derive(Clone, Debug, Serialize)]
@@ -17,6 +18,10 @@ pub struct Report {
     pub graph: String,
     /// Passes and read-backs that run, in order.
     pub steps: Vec<StepReport>,
+    /// Submissions, in order.
+    pub batches: Vec<BatchReport>,
+    /// The longest chain of steps that wait for one another's results, by index into `steps`.
+    pub critical_path: Vec<usize>,
     /// Barriers after the last step.
     pub finally: Vec<BarrierReport>,
     /// Passes that do not run.
@@ -48,6 +53,30 @@ pub struct StepReport {
     pub side_effect: Option<String>,
     /// Time on the device, where the frame ran and the device tells.
     pub milliseconds: Option<f64>,
+}
+
+/// A submission.
+#[derive(Clone, Debug, Serialize)]
+pub struct BatchReport {
+    /// Queue it is submitted to.
+    pub queue: String,
+    /// Value that its queue's timeline semaphore is set to when it is done.
+    pub signal: u64,
+    /// What it waits for.
+    pub waits: Vec<WaitReport>,
+    /// Barriers after its steps: resources given to other queues' families.
+    pub release: Vec<BarrierReport>,
+}
+
+/// A wait for another queue's timeline semaphore.
+#[derive(Clone, Debug, Serialize)]
+pub struct WaitReport {
+    /// The other queue.
+    pub queue: String,
+    /// Value waited for.
+    pub value: u64,
+    /// Pipeline stages that wait.
+    pub stages: String,
 }
 
 /// A use of a resource.
@@ -116,7 +145,23 @@ pub struct MemoryReport {
     pub lower_bound_bytes: u64,
     /// Heaps over lower bound; 1 is perfect.
     pub over_lower_bound: f64,
+    /// Share of the bytes without sharing that sharing saves.
+    pub saved_share: f64,
+    /// Why resources do not share memory, two by two, of the largest of each heap.
+    pub apart: Vec<ApartReport>,
 }
+
+/// Why two resources do not share memory.
+#[derive(Clone, Debug, Serialize)]
+pub struct ApartReport {
+    /// Names of both.
+    pub resources: [String; 2],
+    /// Why.
+    pub reason: String,
+}
+
+/// Of how many resources all pairs are explained, the largest first.
+const EXPLAINED: usize = 24;
 
 /// A heap and who lies in it.
 #[derive(Clone, Debug, Serialize)]
@@ -164,6 +209,8 @@ impl Report {
             schema: SCHEMA,
             graph: description.name.clone(),
             steps: steps.map(step).collect(),
+            batches: plan.batches.iter().map(|batch| batch_report(description, batch)).collect(),
+            critical_path: critical_path(description, plan, |_| 1.0),
             finally: barriers(description, &plan.finally),
             culled: culled.collect(),
             memory: memory(description, plan),
@@ -177,6 +224,20 @@ impl Report {
     /// What the serialiser says; a report of finite times has no reason to fail.
     pub fn json(&self) -> serde_json::Result<String> {
         serde_json::to_string_pretty(self)
+    }
+}
+
+fn batch_report(description: &Description, batch: &Batch) -> BatchReport {
+    let wait = |wait: &Wait| WaitReport {
+        queue: format!("{:?}", wait.queue),
+        value: wait.value,
+        stages: format!("{:?}", wait.stages),
+    };
+    BatchReport {
+        queue: format!("{:?}", batch.queue),
+        signal: batch.signal,
+        waits: batch.waits.iter().map(wait).collect(),
+        release: barriers(description, &batch.release),
     }
 }
 
@@ -276,8 +337,28 @@ fn memory(description: &Description, plan: &Plan) -> MemoryReport {
         unaliased_bytes,
         saved_bytes: unaliased_bytes.saturating_sub(heap_bytes),
         lower_bound_bytes,
+        saved_share: unaliased_bytes.saturating_sub(heap_bytes) as f64 / unaliased_bytes.max(1) as f64,
+        apart: why_apart(description, plan),
         over_lower_bound: if lower_bound_bytes == 0 { 1.0 } else { heap_bytes as f64 / lower_bound_bytes as f64 },
     }
+}
+
+/// Why the largest transients do not share memory, two by two.
+fn why_apart(description: &Description, plan: &Plan) -> Vec<ApartReport> {
+    let mut largest: Vec<_> = plan.placements.iter().collect();
+    largest.sort_unstable_by_key(|placement| (u64::MAX - placement.size, placement.resource));
+    largest.truncate(EXPLAINED);
+    let name = |id: ResourceId| description.resources[id.0 as usize].name.clone();
+    let mut pairs = Vec::new();
+    for (index, a) in largest.iter().enumerate() {
+        for b in &largest[index + 1..] {
+            if let Some(reason) = apart(description, plan, a.resource, b.resource) {
+                let resources = [a, b].map(|placement| name(placement.resource));
+                pairs.push(ApartReport { resources, reason: reason.explain(description) });
+            }
+        }
+    }
+    pairs
 }
 
 /// A range in words; empty where it is all.

@@ -3,11 +3,13 @@
 use std::fmt::Write;
 
 use super::data::part;
-use crate::graph::description::{Description, Queue, Source, VersionId};
+use super::path::{critical_path, makers, used};
+use crate::graph::description::{Description, Queue};
 use crate::graph::plan::{Plan, Work};
 
 /// The plan as a DOT graph. Each step is a box, with its place in the order and the barriers before it; each edge is
-/// a version that goes from the pass that made it to one that uses it. Culled passes are dashed, with their reason.
+/// a version that goes from the pass that made it to one that uses it. Culled passes are dashed, with their reason; the
+/// critical path has thick edges.
 pub fn dot(description: &Description, plan: &Plan) -> String {
     let mut out = String::new();
     let mut line = |text: String| {
@@ -38,6 +40,9 @@ pub fn dot(description: &Description, plan: &Plan) -> String {
         let style = "style=\"dashed\", fontcolor=\"#777777\"";
         line(format!("  {} [label={label}, {style}];", node(Work::Pass(*pass))));
     }
+    let path = critical_path(description, plan, |_| 1.0);
+    let critical: Vec<(Work, Work)> =
+        path.windows(2).map(|pair| (plan.steps[pair[0]].work, plan.steps[pair[1]].work)).collect();
     for step in &plan.steps {
         for (version, dashed) in used(description, step.work) {
             let known = &description.versions[version.0 as usize];
@@ -45,41 +50,14 @@ pub fn dot(description: &Description, plan: &Plan) -> String {
             let label = format!("{} {}", resource.name, part(&resource.shape, &known.range));
             let style = if dashed { ", style=dotted" } else { "" };
             for from in makers(description, version) {
+                let thick = if critical.contains(&(Work::Pass(from), step.work)) { ", penwidth=3" } else { "" };
                 let (from, to) = (node(Work::Pass(from)), node(step.work));
-                line(format!("  {from} -> {to} [label={}{style}];", quoted(label.trim_end())));
+                line(format!("  {from} -> {to} [label={}{style}{thick}];", quoted(label.trim_end())));
             }
         }
     }
     line("}".into());
     out
-}
-
-/// Versions that a step uses, and whether it only writes over them.
-fn used(description: &Description, work: Work) -> Vec<(VersionId, bool)> {
-    match work {
-        Work::Pass(pass) => {
-            let uses = &description.passes[pass.0 as usize].uses;
-            uses.iter().map(|used| (used.version, used.makes.is_some() && !used.reads)).collect()
-        }
-        Work::ReadBack(root) => vec![(description.roots[root].version, false)],
-    }
-}
-
-/// Passes that wrote a version or its parts last.
-fn makers(description: &Description, version: VersionId) -> Vec<crate::graph::description::PassId> {
-    let mut makers = Vec::new();
-    let mut waiting = vec![version];
-    while let Some(version) = waiting.pop() {
-        match &description.versions[version.0 as usize].source {
-            Source::Initial => {}
-            Source::Pass { pass, .. } => makers.push(*pass),
-            Source::Split { of } | Source::Fork { of } => waiting.push(*of),
-            Source::Join { of } => waiting.extend(of),
-        }
-    }
-    makers.sort_unstable();
-    makers.dedup();
-    makers
 }
 
 fn node(work: Work) -> String {

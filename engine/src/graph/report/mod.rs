@@ -5,10 +5,13 @@
 
 mod data;
 mod dot;
+mod path;
 mod text;
 
 pub use data::{
-    BarrierReport, CulledReport, HeapReport, MemoryReport, PlacementReport, Report, SCHEMA, StepReport, UseReport,
+    ApartReport, BarrierReport, BatchReport, CulledReport, HeapReport, MemoryReport, PlacementReport, Report, SCHEMA,
+    StepReport, UseReport, WaitReport,
 };
 pub use dot::dot;
+pub use path::critical_path;
 pub use text::text;

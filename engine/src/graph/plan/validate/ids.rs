@@ -1,12 +1,31 @@
 //! Names, shapes, ids and ranges.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::hash::{BuildHasherDefault, Hasher};
 
 use ash::vk;
 
 use super::{Errors, Place};
 use crate::graph::description::{Origin, Range, Resource, ResourceId, Shape, Source, Version, VersionId};
 use crate::graph::errors::ErrorKind;
+
+/// A fast hash of names: by eight bytes, each multiplied in.
+#[derive(Default)]
+struct NameHasher(u64);
+
+impl Hasher for NameHasher {
+    fn write(&mut self, bytes: &[u8]) {
+        for part in bytes.chunks(8) {
+            let mut word = [0; 8];
+            word[..part.len()].copy_from_slice(part);
+            self.0 = (self.0.rotate_left(5) ^ u64::from_le_bytes(word)).wrapping_mul(0x517c_c1b7_2722_0a95);
+        }
+    }
+
+    fn finish(&self) -> u64 {
+        self.0
+    }
+}
 
 /// Names are unique among passes, among resources and among read-backs.
 pub(super) fn names(errors: &mut Errors) {
@@ -18,11 +37,13 @@ pub(super) fn names(errors: &mut Errors) {
         ("captures", read_backs.collect()),
     ];
     for (what, names) in lists {
-        let mut counts: HashMap<&String, usize> = HashMap::with_capacity(names.len());
-        names.iter().for_each(|name| *counts.entry(name).or_default() += 1);
-        if counts.len() == names.len() {
+        let mut known: HashSet<&String, BuildHasherDefault<NameHasher>> = HashSet::default();
+        known.reserve(names.len());
+        if names.iter().all(|name| known.insert(name)) {
             continue;
         }
+        let mut counts: HashMap<&String, usize> = HashMap::new();
+        names.iter().for_each(|name| *counts.entry(name).or_default() += 1);
         let mut doubled: Vec<_> = counts.into_iter().filter(|(_, count)| *count > 1).collect();
         doubled.sort_unstable();
         for (name, count) in doubled {

@@ -11,12 +11,17 @@ use std::collections::HashMap;
 use ash::vk::ImageUsageFlags;
 
 use super::DeviceModel;
+use super::dependencies::Dependencies;
 use super::versions::Versions;
 use crate::graph::description::{Description, Pass, ResourceId, Shape};
 use crate::graph::errors::{ErrorKind, GraphError, GraphErrors};
 
-/// Checks everything; what depends on a wrong thing is not checked further.
-pub(super) fn validate(description: &Description, device: &dyn DeviceModel) -> Result<Versions, GraphErrors> {
+/// Checks everything; what depends on a wrong thing is not checked further. Gives what follows from how versions are
+/// made, and who waits for whom if every pass runs.
+pub(super) fn validate(
+    description: &Description,
+    device: &dyn DeviceModel,
+) -> Result<(Versions, Dependencies), GraphErrors> {
     let mut errors = Errors { description, list: Vec::new() };
 
     // 1. Names, shapes, states of imported resources.
@@ -44,9 +49,9 @@ pub(super) fn validate(description: &Description, device: &dyn DeviceModel) -> R
     checkpoints::check(&mut errors);
 
     // 6. Writers of one version, and circles.
-    order::check(&mut errors, &versions);
+    let dependencies = order::check(&mut errors, &versions);
 
-    errors.finish(versions)
+    errors.finish((versions, dependencies))
 }
 
 /// By resource: what the device allows its format to be used for; each format is asked for once.

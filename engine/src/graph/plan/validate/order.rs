@@ -9,7 +9,7 @@ use crate::graph::plan::dependencies::{Dependencies, Event, Node, events};
 use crate::graph::plan::versions::Versions;
 
 /// Each epoch has one writer, or unordered ones of one fork; nobody waits for itself.
-pub(super) fn check(errors: &mut Errors, versions: &Versions) {
+pub(super) fn check(errors: &mut Errors, versions: &Versions) -> Dependencies {
     let description = errors.description;
     let live = vec![true; description.passes.len()];
     let events = events(description, versions, &live);
@@ -26,10 +26,12 @@ pub(super) fn check(errors: &mut Errors, versions: &Versions) {
             }
         }
     }
+    let dependencies = Dependencies::new(&events, description.passes.len() + description.roots.len());
     // With two writers for one version any order is a circle.
     if errors.list.len() == before {
-        circle(errors, versions, &events);
+        circle(errors, versions, &dependencies);
     }
+    dependencies
 }
 
 fn unordered(versions: &Versions, a: &Event, b: &Event) -> bool {
@@ -81,10 +83,10 @@ fn rivals_error(errors: &mut Errors, a: VersionId, b: VersionId) {
     }
 }
 
-fn circle(errors: &mut Errors, versions: &Versions, events: &[Event]) {
+fn circle(errors: &mut Errors, versions: &Versions, dependencies: &Dependencies) {
     let description = errors.description;
     let passes = description.passes.len();
-    let Some(circle) = Dependencies::new(events, passes + description.roots.len()).cycle() else { return };
+    let Some(circle) = dependencies.cycle() else { return };
     let name = |node: Node| match node as usize {
         index if index < passes => Work::Pass(PassId(node)).describe(description),
         index => Work::ReadBack(index - passes).describe(description),

@@ -1,0 +1,274 @@
+//! Packs blocks that live for some steps each into as little memory as can be found: dynamic storage allocation, which
+//! is hard to solve, and easy to solve well.
+//!
+//! 1. Sweeps over time, forwards and backwards, give each block the first or the tightest gap that is free at its first
+//!    step. They cost next to nothing, and do for chains of passes.
+//! 2. Blocks are put down one by one, each at the lowest place that is free for all of its life: the largest first, the
+//!    longest-lived first, and so on.
+//! 3. In the best of these orders, the block that sticks out at the top is drawn forward, again and again.
+//!
+//! It stops where the lower bound is reached, or a fixed amount of work is done. No clock and no chance decides: the
+//! same blocks come to lie at the same places.
+
+/// A block to place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Block {
+    pub(super) size: u64,
+    pub(super) alignment: u64,
+    /// First and last step of its life.
+    pub(super) steps: [usize; 2],
+}
+
+/// How many pairs of blocks the search looks at, all in all: a millisecond or two.
+const WORK: usize = 1 << 18;
+
+/// How many of the best orders it starts from, and how long it goes on without finding anything better.
+const STARTS: usize = 3;
+const PATIENCE: usize = 100;
+
+/// How many pairs of blocks may be in each other's way for the search to begin.
+const MOST_PAIRS: usize = 1 << 20;
+
+/// Where blocks lie, and where the last one ends.
+#[derive(Clone, Debug, Default)]
+struct Packing {
+    end: u64,
+    offsets: Vec<u64>,
+}
+
+/// Offsets of all blocks. `bound`: no packing is smaller. `conflict`: whether two blocks whose lives do not overlap may
+/// not share memory all the same; `None` where there are no such.
+pub(super) fn pack(blocks: &[Block], bound: u64, conflict: Option<&dyn Fn(usize, usize) -> bool>) -> Vec<u64> {
+    // 1. Sweep over time.
+    let mut best = Packing { end: u64::MAX, offsets: Vec::new() };
+    if conflict.is_none() {
+        for (backwards, tightest) in [(false, false), (true, false), (false, true), (true, true)] {
+            let next = sweep(blocks, backwards, tightest);
+            best = if next.end < best.end { next } else { best };
+            if best.end <= bound {
+                return best.offsets;
+            }
+        }
+    }
+
+    // 2. Try orders.
+    let Some(conflicts) = Conflicts::new(blocks, conflict) else { return best.offsets };
+    let mut orders: Vec<(u64, Vec<u32>)> = Vec::new();
+    for order in orders_to_try(blocks) {
+        let next = conflicts.first_fit(blocks, &order);
+        orders.push((next.end, order));
+        best = if next.end < best.end { next } else { best };
+        if best.end <= bound {
+            return best.offsets;
+        }
+    }
+    orders.sort_by_key(|(end, _)| *end);
+    orders.truncate(STARTS);
+
+    // 3. Improve on them.
+    search(blocks, &conflicts, &orders, bound, best).offsets
+}
+
+/// Places blocks as they come to life, in what is free at that time.
+fn sweep(blocks: &[Block], backwards: bool, tightest: bool) -> Packing {
+    let life = |index: u32| {
+        let [first, last] = blocks[index as usize].steps;
+        // Backwards, lives begin at their ends.
+        if backwards { [usize::MAX - last, usize::MAX - first] } else { [first, last] }
+    };
+    let mut births: Vec<u32> = (0..blocks.len() as u32).collect();
+    births.sort_unstable_by_key(|&index| (life(index)[0], u64::MAX - blocks[index as usize].size, index));
+    let mut deaths: Vec<u32> = births.clone();
+    deaths.sort_unstable_by_key(|&index| (life(index)[1], index));
+    let mut deaths = deaths.into_iter().peekable();
+    let mut free = Free { gaps: vec![[0, u64::MAX]] };
+    let mut packing = Packing { end: 0, offsets: vec![0; blocks.len()] };
+    for index in births {
+        while let Some(dead) = deaths.next_if(|&dead| life(dead)[1] < life(index)[0]) {
+            let start = packing.offsets[dead as usize];
+            free.give([start, start + blocks[dead as usize].size]);
+        }
+        let block = &blocks[index as usize];
+        let offset = free.take(block.size, block.alignment, tightest);
+        packing.offsets[index as usize] = offset;
+        packing.end = packing.end.max(offset + block.size);
+    }
+    packing
+}
+
+/// Memory that is free: gaps in ascending order, the last of which has no end.
+struct Free {
+    gaps: Vec<[u64; 2]>,
+}
+
+impl Free {
+    fn take(&mut self, size: u64, alignment: u64, tightest: bool) -> u64 {
+        let start = |gap: &[u64; 2]| gap[0].next_multiple_of(alignment);
+        let mut fitting =
+            self.gaps.iter().enumerate().filter(|(_, gap)| gap[1] - gap[0] >= size && gap[1] - size >= start(gap));
+        let found = if tightest { fitting.min_by_key(|(_, gap)| gap[1] - gap[0]) } else { fitting.next() };
+        // The last gap holds anything that is smaller than all memory.
+        let Some((place, &[first, end])) = found else { return 0 };
+        let offset = start(&[first, end]);
+        let rest = [[first, offset], [offset + size, end]].into_iter().filter(|[first, end]| first < end);
+        self.gaps.splice(place..=place, rest);
+        offset
+    }
+
+    fn give(&mut self, [mut first, mut end]: [u64; 2]) {
+        let place = self.gaps.partition_point(|gap| gap[0] < first);
+        let mut replaced = place..place;
+        if let Some(before) = place.checked_sub(1).filter(|&before| self.gaps[before][1] == first) {
+            first = self.gaps[before][0];
+            replaced.start = before;
+        }
+        if let Some(after) = self.gaps.get(place).filter(|after| after[0] == end) {
+            end = after[1];
+            replaced.end = place + 1;
+        }
+        self.gaps.splice(replaced, [[first, end]]);
+    }
+}
+
+/// Which blocks may not share memory with which.
+struct Conflicts {
+    /// By block, then the total.
+    first: Vec<u32>,
+    others: Vec<u32>,
+}
+
+impl Conflicts {
+    /// `None` where there are too many pairs to look at.
+    fn new(blocks: &[Block], conflict: Option<&dyn Fn(usize, usize) -> bool>) -> Option<Self> {
+        let mut births: Vec<usize> = (0..blocks.len()).collect();
+        births.sort_unstable_by_key(|&index| blocks[index].steps[0]);
+        let mut pairs: Vec<[u32; 2]> = Vec::new();
+        for (place, &one) in births.iter().enumerate() {
+            for &other in &births[place + 1..] {
+                let overlap = blocks[other].steps[0] <= blocks[one].steps[1];
+                match conflict {
+                    None if !overlap => break,
+                    Some(conflict) if !overlap && !conflict(one, other) => continue,
+                    _ => pairs.extend([[one as u32, other as u32], [other as u32, one as u32]]),
+                }
+            }
+            if pairs.len() > MOST_PAIRS && conflict.is_none() {
+                return None;
+            }
+        }
+        pairs.sort_unstable();
+        let mut first = vec![0; blocks.len() + 1];
+        pairs.iter().for_each(|[one, _]| first[*one as usize + 1] += 1);
+        (0..blocks.len()).for_each(|index| first[index + 1] += first[index]);
+        Some(Self { first, others: pairs.into_iter().map(|[_, other]| other).collect() })
+    }
+
+    fn of(&self, block: u32) -> &[u32] {
+        &self.others[self.first[block as usize] as usize..self.first[block as usize + 1] as usize]
+    }
+
+    /// Places blocks in this order, each as low as those before it allow.
+    fn first_fit(&self, blocks: &[Block], order: &[u32]) -> Packing {
+        let mut packing = Packing { end: 0, offsets: vec![u64::MAX; blocks.len()] };
+        let mut taken: Vec<[u64; 2]> = Vec::new();
+        for &index in order {
+            let block = &blocks[index as usize];
+            taken.clear();
+            for &other in self.of(index) {
+                let start = packing.offsets[other as usize];
+                if start != u64::MAX {
+                    taken.push([start, start + blocks[other as usize].size]);
+                }
+            }
+            taken.sort_unstable();
+            let mut offset: u64 = 0;
+            for &[start, end] in &taken {
+                if offset + block.size <= start {
+                    break;
+                }
+                offset = offset.max(end.next_multiple_of(block.alignment));
+            }
+            packing.offsets[index as usize] = offset;
+            packing.end = packing.end.max(offset + block.size);
+        }
+        packing
+    }
+}
+
+/// Orders by two keys each, the largest first.
+fn orders_to_try(blocks: &[Block]) -> impl Iterator<Item = Vec<u32>> {
+    let key = |block: &Block, way: usize| -> [u128; 2] {
+        let size = u128::from(block.size);
+        let duration = (block.steps[1] - block.steps[0] + 1) as u128;
+        match way {
+            0 => [size, duration],
+            1 => [size * duration, size],
+            2 => [duration, size],
+            3 => [block.alignment.into(), size],
+            4 => [u128::MAX - block.steps[0] as u128, size],
+            _ => [block.steps[1] as u128, size],
+        }
+    };
+    (0..6).map(move |way| {
+        let mut order: Vec<u32> = (0..blocks.len() as u32).collect();
+        order.sort_by_key(|&index| std::cmp::Reverse(key(&blocks[index as usize], way)));
+        order
+    })
+}
+
+/// Draws blocks at the top forward in the order, from the best orders on in turn, and keeps what is no worse.
+fn search(
+    blocks: &[Block],
+    conflicts: &Conflicts,
+    orders: &[(u64, Vec<u32>)],
+    bound: u64,
+    mut best: Packing,
+) -> Packing {
+    let rounds = WORK / (conflicts.others.len() + blocks.len()).max(1) / orders.len().max(1);
+    let mut random = Random(0x9e37_79b9_7f4a_7c15);
+    for (_, order) in orders {
+        let mut order = order.clone();
+        let mut now = conflicts.first_fit(blocks, &order);
+        let mut idle = 0;
+        for _ in 0..rounds {
+            idle += 1;
+            if best.end <= bound {
+                return best;
+            }
+            if idle > PATIENCE {
+                break;
+            }
+            let is_top = |&index: &u32| now.offsets[index as usize] + blocks[index as usize].size == now.end;
+            let Some(place) = order.iter().position(is_top) else { break };
+            let to = random.below(place + 1);
+            let mut tried = order.clone();
+            // Half of the time it changes places, else it goes before.
+            if random.below(2) == 0 {
+                tried.swap(place, to);
+            } else {
+                tried[to..=place].rotate_right(1);
+            }
+            let next = conflicts.first_fit(blocks, &tried);
+            if next.end < best.end {
+                best = next.clone();
+            }
+            if next.end <= now.end {
+                idle = if next.end < now.end { 0 } else { idle };
+                (now, order) = (next, tried);
+            }
+        }
+    }
+    best
+}
+
+/// Numbers that look random, and are the same each time.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, end: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 % end.max(1) as u64) as usize
+    }
+}
