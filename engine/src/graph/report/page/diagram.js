@@ -1,6 +1,6 @@
 // The diagram: a column for each step; passes in rows by queue, and below them the heaps.
 
-const COLUMN = 150, NODE_WIDTH = 122, NODE_HEIGHT = 50, LEFT = 16, LANE = 22, GAP = 18;
+const COLUMN = 158, NODE_WIDTH = 130, NODE_HEIGHT = 64, LEFT = 16, LANE = 22, GAP = 18;
 const SMALLEST = 0.05, LARGEST = 4;
 
 const svg = document.getElementById('diagram');
@@ -15,10 +15,19 @@ function draw(tag, attributes, ...children) {
 }
 
 /** A text that fits into so many pixels, by the width of an average letter. */
-function shortened(text, width, letter = 7.2) {
+function shortened(text, width, letter = 7.4) {
   const count = Math.max(1, Math.floor(width / letter));
   const letters = [...text];
   return letters.length <= count ? text : letters.slice(0, Math.max(0, count - 1)).join('') + '…';
+}
+
+/** A name in two lines where one is too short, broken at a sign between words if there is one. */
+function lines(text, width) {
+  if (shortened(text, width) === text) return [text];
+  const head = [...shortened(text, width)].slice(0, -1).join('');
+  const sign = Math.max(...[' ', '.', '/', '_', '-', ':'].map(sign => head.lastIndexOf(sign))) + 1;
+  const first = sign > head.length / 3 ? head.slice(0, sign) : head;
+  return [first, shortened(text.slice(first.length), width)];
 }
 
 /** How high an edge between two steps of one row goes over the nodes between. */
@@ -82,8 +91,8 @@ function diagram(report, words) {
       'data-step': index, 'aria-label': words.step(index),
     },
     draw('rect', { class: 'box', x: left, y: up, width: NODE_WIDTH, height: NODE_HEIGHT, rx: step.kind === 'pass' ? 7 : 0 }),
-    draw('text', { x: left + 8, y: up + 20 }, shortened(step.name, NODE_WIDTH - 16)),
-    draw('text', { class: 'small', x: left + 8, y: up + 37 }, shortened(`${index}${time || barriers}`, NODE_WIDTH - 16, 6)));
+    ...lines(step.name, NODE_WIDTH - 12).map((line, row) => draw('text', { x: left + 7, y: up + 18 + 16 * row }, line)),
+    draw('text', { class: 'small', x: left + 7, y: up + 52 }, shortened(`${index}${time || barriers}`, NODE_WIDTH - 12, 6)));
     if (step.milliseconds !== null) {
       const share = (NODE_WIDTH - 8) * step.milliseconds / longest;
       node.append(draw('rect', { class: 'time', x: left + 4, y: up + NODE_HEIGHT - 6, width: Math.max(1, share), height: 3 }));
@@ -119,7 +128,8 @@ function diagram(report, words) {
   });
   svg.setAttribute('viewBox', `0 0 ${width} ${height}`);
   svg.append(...below, layer);
-  zoomable(width, height);
+  const lanes = below.filter(node => node.classList.contains('lane'));
+  zoomable(width, height, left => lanes.forEach(lane => lane.setAttribute('x', LEFT + left)));
   return drawn;
 }
 
@@ -139,8 +149,11 @@ function joined(report) {
   return [...edges.values()];
 }
 
-/** Zoom keeps the point under the pointer where it is; the view scrolls by itself, and a mouse drags it. */
-function zoomable(width, height) {
+/**
+ * Zoom keeps the point under the pointer where it is; the view scrolls by itself, and a mouse drags it.
+ * `moved` is told what of the drawing's width is hidden to the left.
+ */
+function zoomable(width, height, moved) {
   let scale = 1;
   const zoom = (wanted, clientX, clientY) => {
     const box = view.getBoundingClientRect();
@@ -199,6 +212,7 @@ function zoomable(width, height) {
     if (view.classList.contains('dragged')) event.stopPropagation();
   }, true);
 
-  zoom(Math.min(1, Math.max(0.7, view.clientWidth / width)));
+  view.addEventListener('scroll', () => moved(view.scrollLeft / scale), { passive: true });
+  zoom(Math.min(1, Math.max(0.9, view.clientWidth / width)));
   [view.scrollLeft, view.scrollTop] = [0, 0];
 }

@@ -30,7 +30,7 @@ for (const [number, heap] of report.memory.heaps.entries()) {
 
 /** What is said in words. */
 const words = {
-  count: (count, what) => `${count} ${what}${count === 1 ? '' : what.endsWith('s') ? 'es' : 's'}`,
+  count: (count, what) => `${count} ${what}${count === 1 ? '' : 's'}`,
   time: ms => (ms >= 1 ? `${ms.toFixed(2)} ms` : `${(ms * 1000).toFixed(0)} µs`),
   bytes(bytes) {
     if (bytes < 1024) return `${bytes} B`;
@@ -277,7 +277,7 @@ function search(text) {
   });
   svg.classList.toggle('searching', wanted !== '');
   const count = kind => found.filter(([of]) => of === kind).length;
-  const parts = [words.count(count('step'), 'pass'), words.count(count('resource'), 'resource')];
+  const parts = [words.count(count('step'), 'step'), words.count(count('resource'), 'resource')];
   if (left.length) parts.push(`${left.length} that ${left.length === 1 ? 'does' : 'do'} not run`);
   find('found').textContent = wanted === '' ? '' : parts.join(', ');
   const first = found.find(([kind, key]) => nodeOf(kind, key));
