@@ -120,6 +120,27 @@ impl Opened {
         [0, 1].map(|axis| place[axis].as_f64().unwrap())
     }
 
+    /// Waits until an expression is true.
+    fn until(&mut self, expression: &str) {
+        let told = format!(
+            "new Promise(done => {{ let left = 200; const look = () => ({expression}) || !left-- ? done(left >= 0) : \
+             setTimeout(look, 20); look(); }})"
+        );
+        assert_eq!(self.js(&told), true, "{expression}");
+    }
+
+    fn drag(&mut self, from: [f64; 2], to: [f64; 2]) {
+        for (kind, [x, y]) in [("mousePressed", from), ("mouseMoved", to), ("mouseReleased", to)] {
+            let event = json!({ "type": kind, "x": x, "y": y, "button": "left", "buttons": 1, "clickCount": 1 });
+            self.browser.call("Input.dispatchMouseEvent", &event);
+        }
+    }
+
+    fn touch(&mut self, kind: &str, fingers: &[[f64; 2]]) {
+        let points: Vec<_> = fingers.iter().map(|[x, y]| json!({ "x": x, "y": y })).collect();
+        self.browser.call("Input.dispatchTouchEvent", &json!({ "type": kind, "touchPoints": points }));
+    }
+
     fn details(&mut self) -> String {
         self.js("document.getElementById('about').innerText").as_str().unwrap().to_owned()
     }
@@ -212,6 +233,15 @@ fn whole_frame(page: &mut Opened, report: &Report) {
         page.js(width).as_f64().unwrap()
             <= page.js("document.getElementById('view').clientWidth").as_f64().unwrap() + 1.0
     );
+    let wheel = |ctrl: bool| json!({ "type": "mouseWheel", "x": place[0], "y": place[1], "deltaX": 0, "deltaY": -200, "modifiers": 2 * i32::from(ctrl) });
+    let before = page.js(width).as_f64().unwrap();
+    page.browser.call("Input.dispatchMouseEvent", &wheel(true));
+    page.until(&format!("{width} > {before} * 1.5"));
+    let left = "document.getElementById('view').scrollLeft";
+    page.js(&format!("{left} = 200"));
+    page.drag(place, [place[0] + 120.0, place[1]]);
+    assert_eq!(page.js(left), 80);
+    assert!(page.js("document.querySelector('.node.selected')").is_null(), "a drag chooses nothing");
     page.is_quiet();
 
     // 5. A telephone in the dark: nothing is wider than the window, and a tap opens the details.
@@ -223,12 +253,18 @@ fn whole_frame(page: &mut Opened, report: &Report) {
     assert_eq!(page.js("getComputedStyle(document.querySelector('aside')).display"), "none");
     page.js("document.getElementById('view').scrollIntoView({ block: 'start' })");
     let [x, y] = page.middle(".pass-node.match");
-    let touch = json!({ "type": "touchStart", "touchPoints": [{ "x": x, "y": y }] });
     page.browser.call("Emulation.setTouchEmulationEnabled", &json!({ "enabled": true }));
-    page.browser.call("Input.dispatchTouchEvent", &touch);
-    page.browser.call("Input.dispatchTouchEvent", &json!({ "type": "touchEnd", "touchPoints": [] }));
+    let before = page.js(width).as_f64().unwrap();
+    page.touch("touchStart", &[[x - 20.0, y], [x + 20.0, y]]);
+    page.touch("touchMove", &[[x - 30.0, y], [x + 30.0, y]]);
+    page.touch("touchMove", &[[x - 60.0, y], [x + 60.0, y]]);
+    page.touch("touchEnd", &[]);
+    page.until(&format!("Math.abs({width} / {before} - 2) < 0.1"));
+    let [x, y] = page.middle(".pass-node.match");
+    page.touch("touchStart", &[[x, y]]);
+    page.touch("touchEnd", &[]);
     // A tap becomes a click in its own time.
-    page.js("new Promise(done => { const look = () => document.querySelector('aside.open') ? done(0) : setTimeout(look, 20); look(); })");
+    page.until("document.querySelector('aside.open') !== null");
     assert!(page.details().starts_with("lighting\n"));
     assert!(contrast(page, "#about .muted") >= 4.5 && contrast(page, "h2") >= 4.5);
     page.is_quiet();

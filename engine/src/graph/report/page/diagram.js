@@ -114,7 +114,7 @@ function diagram(report, words) {
         y: up + high * placed.offset / heap.bytes, height: Math.max(1.5, high * placed.bytes / heap.bytes),
       };
       const node = draw('g', {
-        class: 'node resource-node', tabindex: -1, role: 'button', 'aria-label': words.resource(placed.resource),
+        class: `node resource-node${box.height < 7 ? ' thin' : ''}`, tabindex: -1, role: 'button', 'aria-label': words.resource(placed.resource),
         style: `--hue: ${(words.order(placed.resource) * 137.5) % 360}`,
       }, draw('rect', { class: 'box', ...box }));
       if (box.height >= 13) {

@@ -71,7 +71,8 @@ function useItem(used) {
 
 function barrierItem(barrier) {
   const what = barrier.resource === null ? 'all memory' : resourceButton(barrier.resource);
-  const [from, to] = [barrier.from, barrier.to].map(([stages, access]) => (access ? `${stages}: ${access}` : stages));
+  const [from, to] = [barrier.from, barrier.to].map(([stages, access]) =>
+    [stages || 'nothing', access].filter(Boolean).join(': '));
   const item = el('li', {}, what, words.part(barrier.part), `: ${barrier.reason}`, flags(`${from} → ${to}`));
   if (barrier.layouts && barrier.layouts[0] !== barrier.layouts[1]) item.append(flags(barrier.layouts.join(' → ')));
   if (barrier.families) item.append(flags(`queue family ${barrier.families.join(' → ')}`));
