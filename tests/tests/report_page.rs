@@ -335,7 +335,7 @@ fn hostile_names_run_nothing_and_break_nothing() {
 
 #[test]
 fn a_frame_of_nothing_and_a_frame_of_a_thousand_passes_are_drawn() {
-    let names: Vec<String> = (0..1000).map(|index| format!("pass {index}")).collect();
+    let names: Vec<String> = (0..1000).map(|index| format!("Pass {index}")).collect();
     let long = chain(&names.iter().map(String::as_str).collect::<Vec<_>>());
     let empty = Draft::new("nothing");
     let nothing = plan(&empty.description, &MadeUpDevice::one_queue()).unwrap();
@@ -343,6 +343,11 @@ fn a_frame_of_nothing_and_a_frame_of_a_thousand_passes_are_drawn() {
     for (report, steps) in [(&long, 1001), (&nothing, 0)] {
         let Some(mut page) = Opened::new(&html(report).unwrap()) else { return };
         assert_eq!(page.js("document.querySelectorAll('.pass-node').length"), steps);
+        // 99 and 990 to 999, passes and their images.
+        page.js("location.hash = 'search=PASS%2099'");
+        page.until("document.getElementById('found').textContent !== ''");
+        let found = if steps == 0 { "0 steps, 0 resources" } else { "11 steps, 11 resources" };
+        assert_eq!(page.js("document.getElementById('found').textContent"), found);
         page.is_quiet();
     }
 }
