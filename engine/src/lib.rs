@@ -40,6 +40,7 @@ pub mod frame;
 pub mod geometry;
 pub mod gpu;
 pub mod graph;
+mod parallel;
 pub mod prelude;
 pub mod scene;
 pub mod shader;

@@ -28,7 +28,7 @@ impl Subject {
     /// A scene as its first camera sees it; framed where it has none.
     pub fn new(scene: Scene, size: [u32; 2]) -> Self {
         let camera = scene.cameras.first().cloned();
-        let camera = camera.unwrap_or_else(|| Camera::framing(bounds(&scene), size[0] as f32 / size[1] as f32));
+        let camera = camera.unwrap_or_else(|| Camera::framing(bounds(&scene), 0.7, size[0] as f32 / size[1] as f32));
         Self { name: scene.name.clone(), scene, camera, size }
     }
 

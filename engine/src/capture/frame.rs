@@ -6,7 +6,8 @@ use super::{Capture, Channel, Content, HalfReport, Metadata, Part, SampleKind, S
 use crate::frame::{Frame, Layer, Samples as Stored, Source};
 use crate::gpu::Caps;
 use crate::graph::Executed;
-use crate::scene::{Camera, Scene, View, parallel};
+use crate::parallel;
+use crate::scene::{Camera, Scene, View};
 use crate::{Error, Result};
 
 /// Layers of radiance: exposure applies to them.

@@ -146,11 +146,6 @@ impl<'f> Graph<'f> {
         self.arena.push(bytemuck::cast_slice(values))
     }
 
-    /// As [`Graph::data`], for a block with a fixed part and a run-time array behind it.
-    pub fn data_with_tail<H: bytemuck::Pod, T: bytemuck::Pod>(&mut self, head: &H, tail: &[T]) -> Data {
-        self.arena.push(&[bytemuck::bytes_of(head), bytemuck::cast_slice(tail)].concat())
-    }
-
     /// A compute pass of one dispatch. Its name is unique in the frame.
     pub fn compute(&mut self, name: impl Into<String>, shader: &'static Shader) -> ComputePass<'_, 'f> {
         ComputePass::new(self, name.into(), shader)

@@ -102,39 +102,27 @@ pub(super) mod sealed {
         fn next(self, version: VersionId) -> Self;
     }
 
-    impl Sealed for ImageHandle {
-        fn graph(&self) -> u64 {
-            self.graph
-        }
-        fn resource(&self) -> ResourceId {
-            self.resource
-        }
-        fn version(&self) -> VersionId {
-            self.version
-        }
-        fn range(&self) -> Range {
-            self.range
-        }
-        fn next(self, version: VersionId) -> Self {
-            Self { version, ..self }
-        }
+    macro_rules! sealed {
+        ($($handle:ident),*) => {$(
+            impl Sealed for $handle {
+                fn graph(&self) -> u64 {
+                    self.graph
+                }
+                fn resource(&self) -> ResourceId {
+                    self.resource
+                }
+                fn version(&self) -> VersionId {
+                    self.version
+                }
+                fn range(&self) -> Range {
+                    self.range
+                }
+                fn next(self, version: VersionId) -> Self {
+                    Self { version, ..self }
+                }
+            }
+        )*};
     }
 
-    impl Sealed for BufferHandle {
-        fn graph(&self) -> u64 {
-            self.graph
-        }
-        fn resource(&self) -> ResourceId {
-            self.resource
-        }
-        fn version(&self) -> VersionId {
-            self.version
-        }
-        fn range(&self) -> Range {
-            self.range
-        }
-        fn next(self, version: VersionId) -> Self {
-            Self { version, ..self }
-        }
-    }
+    sealed!(ImageHandle, BufferHandle);
 }

@@ -67,22 +67,21 @@ impl Camera {
         Self { name: "camera".into(), world_from_view, projection: Projection::Perspective { fov_y, near, far: None } }
     }
 
-    /// A camera for a scene without one: it sees all of `bounds` from a corner, a little from above, in a picture of
-    /// `aspect` (width over height).
+    /// A camera for a scene without one: it sees all of `bounds` from a corner, a little from above, through a lens of
+    /// `fov_y` (vertical, radians) in a picture of `aspect` (width over height).
     ///
     /// The near plane follows the size of the scene, as units run from millimetres to thousands.
-    pub fn framing(bounds: Aabb, aspect: f32) -> Self {
-        const FOV_Y: f32 = 0.7;
+    pub fn framing(bounds: Aabb, fov_y: f32, aspect: f32) -> Self {
         // Room around the scene, as a factor on its distance.
         const MARGIN: f32 = 1.04;
         let scale = bounds.min.abs().max(bounds.max.abs()).max_element();
         let radius = bounds.radius().max(scale * 1e-3).max(1e-5);
         let back = Vec3::new(0.62, 0.42, 1.0).normalize();
-        let mut camera = Self::look_at(bounds.center() + back, bounds.center(), Vec3::Y, FOV_Y, 1.0);
+        let mut camera = Self::look_at(bounds.center() + back, bounds.center(), Vec3::Y, fov_y, 1.0);
 
         // Every corner has to be within the pyramid of sight: it tells how far back the eye must be at least.
         let axes = camera.world_from_view;
-        let tan_y = (FOV_Y * 0.5).tan();
+        let tan_y = (fov_y * 0.5).tan();
         let tan_x = tan_y * if aspect.is_finite() && aspect > 0.0 { aspect } else { 1.0 };
         let needed = bounds.corners().map(|corner| {
             let from_center = corner - bounds.center();
@@ -94,7 +93,7 @@ impl Camera {
         let eye = bounds.center() + back * distance;
         camera.world_from_view.w_axis = eye.extend(1.0);
         let near = Self::near_for(bounds, eye);
-        camera.projection = Projection::Perspective { fov_y: FOV_Y, near, far: None };
+        camera.projection = Projection::Perspective { fov_y, near, far: None };
         camera
     }
 
@@ -181,7 +180,7 @@ mod tests {
                 for picture in [[1280, 720], [300, 900], [64, 64]] {
                     let min = Vec3::new(3.0, -2.0, 7.0) * scale;
                     let bounds = Aabb { min, max: min + size * scale };
-                    let camera = Camera::framing(bounds, picture[0] as f32 / picture[1] as f32);
+                    let camera = Camera::framing(bounds, 0.7, picture[0] as f32 / picture[1] as f32);
                     let clip = camera.view(picture).clip_from_world();
                     for corner in bounds.corners() {
                         let p = clip * corner.extend(1.0);

@@ -12,7 +12,6 @@ mod light_buffer;
 mod material;
 mod mesh;
 mod mips;
-pub(crate) mod parallel;
 mod textures;
 mod upload;
 mod view_set;

@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 
 use ash::vk;
 
-use super::{Filter, Scene, Texture, Wrap, depth, mips, parallel};
+use super::{Filter, Scene, Texture, Wrap, depth, mips};
 use crate::gpu::{Gpu, Image, ImageInfo, Sampler, SamplerInfo, Uploader};
-use crate::{Error, Result};
+use crate::{Error, Result, parallel};
 
 /// How a texture's texels are meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -18,7 +18,7 @@ mod program;
 mod slot;
 
 pub use binding::{Binding, BindingKind, ImageType, Input, Output, OutputScalar, Push, Shader, ShaderAccess, Stage};
-pub use program::{Pipelines, Program, Targets};
+pub use program::{Pipelines, Program, Targets, Wanted};
 pub use slot::{
     Access, Buffer, ColorSlot, ConstantSlot, Image, ImageSlot, Read, ReadSlot, ReadWrite, SampledSlot, SamplerSlot,
     Slot, StorageSlot, UniformSlot, WithTail, Write, WriteSlot,

@@ -7,11 +7,11 @@ use std::sync::{Mutex, PoisonError};
 use ash::vk;
 
 use super::{ConstantSlot, Shader};
-use crate::Result;
 use crate::gpu::{
     ColorTarget, Constant, DepthState, Gpu, GraphicsPipelineInfo, Pipeline, SetLayout, StencilState, VertexBuffer,
     blend,
 };
+use crate::{Error, Result, parallel};
 
 /// Shaders and fixed state of draws.
 #[derive(Clone)]
@@ -117,55 +117,92 @@ pub struct Pipelines {
 
 type Key = Vec<u64>;
 
+/// What a pipeline is made from.
+#[derive(Clone, Copy)]
+pub enum Wanted<'a> {
+    /// A compute shader, with its specialisation constants.
+    Compute(&'static Shader, &'a [(u32, Constant)]),
+    /// A program for a pass's attachments.
+    Graphics(&'a Program, &'a Targets),
+}
+
 impl Pipelines {
-    /// The pipeline of a compute shader.
-    pub fn compute(&self, gpu: &Gpu, shader: &'static Shader, constants: &[(u32, Constant)]) -> Result<Pipeline> {
-        let mut key = vec![address(Some(shader))];
-        push_constants(&mut key, constants);
-        self.get_or_make(key, || gpu.compute_pipeline(shader.file, shader, constants))
-    }
-
-    /// The pipeline of a program for a pass's attachments.
-    pub fn graphics(&self, gpu: &Gpu, program: &Program, targets: &Targets) -> Result<Pipeline> {
-        self.get_or_make(key(program, targets), || {
-            let color: Vec<_> =
-                targets.color.iter().map(|&format| ColorTarget { format, blend: program.blend }).collect();
-            let depth = targets.depth.map(|format| {
-                let (compare, write) = program.depth.unwrap_or((vk::CompareOp::ALWAYS, false));
-                DepthState { format, compare, write }
-            });
-            let stencil = match (targets.stencil, program.stencil) {
-                (Some(format), Some((front, back))) => Some(StencilState { format, front, back }),
-                _ => None,
-            };
-            let sets: Vec<_> = program.set_layouts.iter().map(|(set, layout)| (*set, layout)).collect();
-            gpu.graphics_pipeline(&GraphicsPipelineInfo {
-                geometry: program.geometry,
-                fragment: program.fragment,
-                vertex_buffers: program.vertex_buffers,
-                topology: program.topology,
-                color: &color,
-                depth,
-                stencil,
-                view_mask: targets.view_mask,
-                samples: targets.samples,
-                depth_clamp: program.depth_clamp,
-                logic_op: program.logic_op,
-                constants: &program.constants,
-                set_layouts: &sets,
-                ..GraphicsPipelineInfo::new(program.fragment.unwrap_or(program.vertex).file, program.vertex)
-            })
-        })
-    }
-
-    fn get_or_make(&self, key: Key, make: impl FnOnce() -> Result<Pipeline>) -> Result<Pipeline> {
+    /// A pipeline for each, in order. Those that are not there yet are made on all cores: a software driver takes
+    /// milliseconds for each.
+    ///
+    /// # Errors
+    /// As [`Gpu::compute_pipeline`] and [`Gpu::graphics_pipeline`].
+    pub fn all(&self, gpu: &Gpu, wanted: &[Wanted]) -> Result<Vec<Pipeline>> {
+        // 1. Find what is there.
+        let keys: Vec<Key> = wanted.iter().map(Wanted::key).collect();
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(pipeline) = made.get(&key) {
-            return Ok(pipeline.clone());
+        let mut missing: HashMap<&Key, usize> = HashMap::new();
+        for (index, key) in keys.iter().enumerate().filter(|(_, key)| !made.contains_key(*key)) {
+            missing.entry(key).or_insert(index);
         }
-        let pipeline = make()?;
-        made.insert(key, pipeline.clone());
-        Ok(pipeline)
+        // 2. Make the rest, in the order they are wanted in: the first failure is the one to tell.
+        let mut missing: Vec<usize> = missing.into_values().collect();
+        missing.sort_unstable();
+        let make = |place: usize| wanted[missing[place]].make(gpu);
+        let fault = |place: usize| Error::invalid(wanted[missing[place]].name(), "made the driver's compiler panic");
+        let new = parallel::map(missing.len(), make, fault)?;
+        made.extend(missing.iter().map(|&index| keys[index].clone()).zip(new));
+        // 3. Hand them out.
+        let find = |(key, wanted): (&Key, &Wanted)| made.get(key).cloned().map_or_else(|| wanted.make(gpu), Ok);
+        keys.iter().zip(wanted).map(find).collect()
+    }
+}
+
+impl Wanted<'_> {
+    fn name(&self) -> &'static str {
+        match self {
+            Self::Compute(shader, _) => shader.file,
+            Self::Graphics(program, _) => program.fragment.unwrap_or(program.vertex).file,
+        }
+    }
+
+    fn key(&self) -> Key {
+        match self {
+            Self::Compute(shader, constants) => {
+                let mut key = vec![address(Some(shader))];
+                push_constants(&mut key, constants);
+                key
+            }
+            Self::Graphics(program, targets) => key(program, targets),
+        }
+    }
+
+    fn make(&self, gpu: &Gpu) -> Result<Pipeline> {
+        let (program, targets) = match *self {
+            Self::Compute(shader, constants) => return gpu.compute_pipeline(shader.file, shader, constants),
+            Self::Graphics(program, targets) => (program, targets),
+        };
+        let color: Vec<_> = targets.color.iter().map(|&format| ColorTarget { format, blend: program.blend }).collect();
+        let depth = targets.depth.map(|format| {
+            let (compare, write) = program.depth.unwrap_or((vk::CompareOp::ALWAYS, false));
+            DepthState { format, compare, write }
+        });
+        let stencil = match (targets.stencil, program.stencil) {
+            (Some(format), Some((front, back))) => Some(StencilState { format, front, back }),
+            _ => None,
+        };
+        let sets: Vec<_> = program.set_layouts.iter().map(|(set, layout)| (*set, layout)).collect();
+        gpu.graphics_pipeline(&GraphicsPipelineInfo {
+            geometry: program.geometry,
+            fragment: program.fragment,
+            vertex_buffers: program.vertex_buffers,
+            topology: program.topology,
+            color: &color,
+            depth,
+            stencil,
+            view_mask: targets.view_mask,
+            samples: targets.samples,
+            depth_clamp: program.depth_clamp,
+            logic_op: program.logic_op,
+            constants: &program.constants,
+            set_layouts: &sets,
+            ..GraphicsPipelineInfo::new(self.name(), program.vertex)
+        })
     }
 }
 

@@ -23,9 +23,11 @@ pub fn camera(arguments: &FrameArguments, scene: &Scene) -> Result<Camera> {
         if eye == target {
             return Err(Failure::input("--eye and --target are the same point: there is no direction to look in"));
         }
-        return Ok(Camera::look_at(eye, target, arguments.up.unwrap_or(Vec3::Y), fov, near(bounds)));
+        return Ok(Camera::look_at(eye, target, arguments.up.unwrap_or(Vec3::Y), fov, Camera::near_for(bounds, eye)));
     }
-    Ok(scene.cameras.first().cloned().unwrap_or_else(|| framing(bounds, arguments.size.0, fov)))
+    let [width, height] = arguments.size.0;
+    let framing = || Camera::framing(bounds, fov, width as f32 / height as f32);
+    Ok(scene.cameras.first().cloned().unwrap_or_else(framing))
 }
 
 /// A camera by name, or by index where none has this name.
@@ -39,41 +41,21 @@ fn named(wanted: &str, cameras: &[Camera]) -> Result<Camera> {
     })
 }
 
-/// Sees the whole box from above and aside.
-fn framing(bounds: Aabb, size: [u32; 2], fov: f32) -> Camera {
-    let radius = bounds.radius().max(1e-3);
-    let aspect = size[0] as f32 / size[1] as f32;
-    // The narrower way of the picture decides.
-    let half = (fov * 0.5).tan() * aspect.min(1.0);
-    let distance = radius / half.atan().sin();
-    let eye = bounds.center() + distance * Vec3::new(0.6, 0.45, 0.9).normalize();
-    Camera::look_at(eye, bounds.center(), Vec3::Y, fov, near(bounds))
-}
-
-/// A near plane, in metres. Reversed floating-point depth makes a small one cheap.
-fn near(bounds: Aabb) -> f32 {
-    (bounds.radius() * 1e-3).clamp(1e-4, 0.1)
-}
-
 /// Puts a sun in place of directional lights, or into a scene without any light.
 pub fn set_sun(scene: &mut Scene, wanted: Option<Sun>) {
-    let sun = match wanted {
-        Some(sun) => {
+    let mut sun = Light::default_sun();
+    match wanted {
+        Some(wanted) => {
             scene.lights.retain(|light| !matches!(light.kind, LightKind::Directional { .. }));
-            sun
+            sun.kind = LightKind::Directional { direction: wanted.direction, illuminance: wanted.illuminance };
         }
-        None if scene.lights.is_empty() => {
-            Sun { direction: Vec3::new(-0.4, -1.0, -0.3).normalize(), illuminance: Sun::CLEAR_DAY }
-        }
+        None if scene.lights.is_empty() => {}
         None => return,
-    };
+    }
     let taken = |name: &str| scene.lights.iter().any(|light| light.name == name);
-    let name = std::iter::once("sun".to_string())
-        .chain((2..).map(|number| format!("sun{number}")))
-        .find(|name| !taken(name))
-        .unwrap_or_default();
-    let kind = LightKind::Directional { direction: sun.direction, illuminance: sun.illuminance };
-    scene.lights.insert(0, Light { name, color: Vec3::ONE, kind });
+    let numbered = (2..).map(|number| format!("sun{number}"));
+    sun.name = std::iter::once(sun.name).chain(numbered).find(|name| !taken(name)).unwrap_or_default();
+    scene.lights.insert(0, sun);
 }
 
 /// Luminance of a clear sky that goes with the scene's sun, cd/m²: a sky that lights the ground with about a sixth of
@@ -129,24 +111,5 @@ mod tests {
         let error = named("b", &cameras).unwrap_err().to_string();
         assert!(error.contains("0 (a), 1 (0)"), "{error}");
         assert!(named("0", &[]).unwrap_err().to_string().contains("no cameras"));
-    }
-
-    #[test]
-    fn framing_sees_every_corner() {
-        for size in [[1280, 720], [100, 900], [1, 1]] {
-            let bounds = Aabb { min: Vec3::new(-3.0, 0.0, 2.0), max: Vec3::new(1.0, 9.0, 3.0) };
-            let clip = framing(bounds, size, FIELD_OF_VIEW).view(size).clip_from_world();
-            for corner in bounds.corners() {
-                let point = clip * corner.extend(1.0);
-                assert!(point.w > 0.0 && point.x.abs() <= point.w && point.y.abs() <= point.w && point.z <= point.w);
-            }
-        }
-    }
-
-    #[test]
-    fn framing_nothing_is_still_a_camera() {
-        let point = Aabb { min: Vec3::ZERO, max: Vec3::ZERO };
-        let view = framing(point, [16, 9], FIELD_OF_VIEW).view([16, 9]);
-        assert!(view.clip_from_world().is_finite());
     }
 }

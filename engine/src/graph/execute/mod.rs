@@ -28,8 +28,10 @@ use super::description::{Description, PassId, Range};
 use super::pass::{Bound, What, Work};
 use super::plan::{Plan, Segment, Work as Step};
 use super::record::{self, Batch, BoundCompute, Ready};
-use crate::gpu::{Buffer, BufferInfo, Descriptor, DescriptorArena, Gpu, Image, Memory, SamplerInfo, ViewInfo};
-use crate::shader::{Binding, BindingKind, Pipelines};
+use crate::gpu::{
+    Buffer, BufferInfo, Descriptor, DescriptorArena, Gpu, Image, Memory, Pipeline, SamplerInfo, ViewInfo,
+};
+use crate::shader::{Binding, BindingKind, Pipelines, Wanted};
 use crate::{Error, Result};
 
 /// Runs frames on a device, and keeps from frame to frame what they can share: pipelines, descriptor pools, memory.
@@ -239,14 +241,22 @@ impl<'g> Executor<'g> {
         self.transients.make(self.gpu, plan, &description, self.instruments, &mut frame.memory)?;
         let (memory, arena) = (std::mem::take(&mut frame.memory), frame.arena.as_ref());
 
-        // 2. Pipelines, descriptor sets and barriers, in the order of the plan.
+        // 2. Pipelines, in the order of the plan.
+        let planned = plan.steps.iter().filter_map(|step| match step.work {
+            Step::Pass(PassId(pass)) => work[pass as usize].as_ref(),
+            Step::ReadBack(_) => None,
+        });
+        let wanted: Vec<Wanted> = planned.flat_map(Work::pipelines).collect();
+        let mut pipelines = self.pipelines.all(self.gpu, &wanted)?.into_iter();
+
+        // 3. Descriptor sets and barriers.
         let mut steps = Vec::with_capacity(plan.steps.len());
         for step in &plan.steps {
             let task = match step.work {
                 Step::Pass(PassId(pass)) => {
                     let Some(work) = work[pass as usize].take() else { continue };
                     let name = &description.passes[pass as usize].name;
-                    let programs = self.prepare_pass(name, &work, &memory, arena, &mut descriptors)?;
+                    let programs = self.prepare_pass(name, &work, &mut pipelines, &memory, arena, &mut descriptors)?;
                     Task::Pass { pass, work, programs }
                 }
                 Step::ReadBack(root) => Task::ReadBack(root),
@@ -347,29 +357,25 @@ impl<'g> Executor<'g> {
         description.roots.iter().map(|root| root.read_back.then(|| capture(root)).transpose()).collect()
     }
 
-    /// Pipelines of a pass's programs, each with its set 0.
+    /// The next pipelines, a pass's, each with its set 0.
     fn prepare_pass(
         &self,
         pass: &str,
         work: &Work,
+        pipelines: &mut impl Iterator<Item = Pipeline>,
         memory: &Resources,
         arena: Option<&Buffer>,
         sets: &mut DescriptorArena,
     ) -> Result<Vec<Ready>> {
-        let (pipelines, bound) = match work {
-            Work::Compute { shader, constants, bound, .. } => {
-                (vec![self.pipelines.compute(self.gpu, shader, constants)?], bound)
-            }
-            Work::Raster { programs, targets, bound, .. } => {
-                let make = |program| self.pipelines.graphics(self.gpu, program, targets);
-                (programs.iter().map(make).collect::<Result<Vec<_>>>()?, bound)
-            }
+        let (count, bound) = match work {
+            Work::Compute { bound, .. } => (1, bound),
+            Work::Raster { programs, bound, .. } => (programs.len(), bound),
             Work::Fill { .. } | Work::Clear { .. } | Work::ClearDepth { .. } | Work::Zero(_) => {
                 return Ok(Vec::new());
             }
         };
-        let mut ready = Vec::with_capacity(pipelines.len());
-        for pipeline in pipelines {
+        let mut ready = Vec::with_capacity(count);
+        for pipeline in pipelines.take(count) {
             let mut descriptors = Vec::new();
             for wanted in pipeline.bindings().iter().filter(|wanted| wanted.binding.set == 0) {
                 let number = wanted.binding.binding;

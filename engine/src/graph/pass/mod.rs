@@ -16,7 +16,7 @@ use super::description::{Range, ResourceId};
 use super::record::Recorder;
 use crate::Result;
 use crate::gpu::{self, Buffer, Image, SamplerInfo};
-use crate::shader::{Binding, Program, Shader, Targets};
+use crate::shader::{Binding, Program, Shader, Targets, Wanted};
 
 /// What a pass does, besides what the description says.
 pub(in crate::graph) enum Work<'f> {
@@ -51,6 +51,19 @@ pub(in crate::graph) enum Work<'f> {
     },
     /// Of a pass that is switched off.
     Zero(Vec<(ResourceId, Range)>),
+}
+
+impl Work<'_> {
+    /// What its pipelines are made from.
+    pub(in crate::graph) fn pipelines(&self) -> Vec<Wanted<'_>> {
+        match self {
+            Self::Compute { shader, constants, .. } => vec![Wanted::Compute(shader, constants)],
+            Self::Raster { programs, targets, .. } => {
+                programs.iter().map(|program| Wanted::Graphics(program, targets)).collect()
+            }
+            Self::Fill { .. } | Self::Clear { .. } | Self::ClearDepth { .. } | Self::Zero(_) => Vec::new(),
+        }
+    }
 }
 
 pub(in crate::graph) type DrawFn<'f> = Box<dyn FnMut(&mut Recorder) -> Result<()> + 'f>;

@@ -17,7 +17,8 @@ use super::{
 };
 use crate::{
     error::Result,
-    scene::{Material, Mesh, Primitive, parallel},
+    parallel,
+    scene::{Material, Mesh, Primitive},
 };
 
 /// Meshes of a scene.

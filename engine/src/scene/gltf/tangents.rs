@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::{Vec3, Vec4};
 
-use crate::scene::{Primitive, TextureSlot, parallel};
+use crate::parallel;
+use crate::scene::{Primitive, TextureSlot};
 
 /// Gives each vertex a tangent along u as the normal map is laid, with its transform. Where triangles that share a
 /// vertex disagree, it is split. All other attributes stand already.

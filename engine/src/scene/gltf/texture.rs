@@ -18,7 +18,8 @@ use image::{ImageFormat, ImageReader, Limits};
 use super::{File, material::UsedTexture, place, uri};
 use crate::{
     error::Result,
-    scene::{Filter, Texture, Wrap, parallel},
+    parallel,
+    scene::{Filter, Texture, Wrap},
 };
 
 /// Bytes of decoded images that a file may ask for: 64 images of 4096².

@@ -181,9 +181,8 @@ const measures = [
   ['Without sharing', report.memory.unaliased_bytes, ''], ['Heaps', report.memory.bytes, 'now'],
   ['Most alive at once', report.memory.lower_bound_bytes, ''],
 ];
-find('memory').append(el('div', { class: 'measure' }, ...measures.flatMap(([name, bytes, kind]) => [
-  el('span', {}, name), el('b', { class: kind, style: `width: ${100 * bytes / most}%` }), el('span', {}, words.bytes(bytes)),
-])));
+find('memory').append(...measures.map(([name, bytes, kind]) => el('div', { class: 'measure' }, el('span', {}, name),
+  el('b', { class: kind, style: `width: ${100 * bytes / most}%` }), el('span', {}, words.bytes(bytes)))));
 if (report.memory.apart?.length) {
   const pairs = report.memory.apart.map(({ resources: [a, b], reason }) =>
     el('li', {}, resourceButton(a), ' and ', resourceButton(b), `: ${reason}`));

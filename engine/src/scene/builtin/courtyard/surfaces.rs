@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec4, vec3};
 
 use super::patterns::*;
+use crate::parallel;
 
 use crate::scene::{
     AlphaMode, Material, Texture,
@@ -10,7 +11,6 @@ use crate::scene::{
         paint::{Painting, Texel},
         random::Noise,
     },
-    parallel,
 };
 
 /// Materials by their index.
