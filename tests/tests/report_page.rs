@@ -1,7 +1,7 @@
 //! The HTML page of a report: what is in its file, and what it does in a browser.
 #![allow(clippy::unwrap_used)]
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use ash::vk::PipelineStageFlags2 as Stages;
 use serde_json::{Value, json};
@@ -268,8 +268,8 @@ fn whole_frame(page: &mut Opened, report: &Report) {
     assert!(page.details().starts_with("lighting\n"));
     assert!(contrast(page, "#about .muted") >= 4.5 && contrast(page, "h2") >= 4.5);
     page.is_quiet();
-    if std::env::var_os("SHADOWGRAPH_TEST_PICTURES").is_some_and(|v| v == "1") {
-        pictures(page);
+    if let Some(folder) = pictures_folder() {
+        pictures(page, &folder);
     }
 }
 
@@ -290,10 +290,15 @@ fn contrast(page: &mut Opened, selector: &str) -> f64 {
     (text.max(ground) + 0.05) / (text.min(ground) + 0.05)
 }
 
-/// Pictures to look at, in `target/test-pictures/`.
-fn pictures(page: &mut Opened) {
+/// Where pictures to look at go, where they are asked for.
+fn pictures_folder() -> Option<PathBuf> {
+    std::env::var_os("SHADOWGRAPH_TEST_PICTURES").filter(|value| value == "1")?;
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../target/test-pictures");
     std::fs::create_dir_all(&folder).unwrap();
+    Some(folder)
+}
+
+fn pictures(page: &mut Opened, folder: &Path) {
     let file = page.file.clone();
     page.browser.picture(&folder.join("report-phone-dark-details.png"));
     page.browser.call("Emulation.setTouchEmulationEnabled", &json!({ "enabled": false }));
@@ -331,6 +336,11 @@ fn hostile_names_run_nothing_and_break_nothing() {
     assert_eq!(rows[0], "Graphics queue");
     assert_eq!(rows[1], "Compute queue");
     page.is_quiet();
+    if let Some(folder) = pictures_folder() {
+        page.js("scrollTo(0, 0); document.querySelectorAll('.pass-node')[2].focus()");
+        page.browser.window([1280, 800], true);
+        page.browser.picture(&folder.join("report-hostile.png"));
+    }
 }
 
 #[test]

@@ -127,9 +127,10 @@ function diagram(report, words) {
     }
   });
   svg.setAttribute('viewBox', `0 0 ${width} ${height}`);
-  svg.append(...below, layer);
   const lanes = below.filter(node => node.classList.contains('lane'));
+  // Before the nodes are there: what is asked for the size of the view would lay out all of them.
   zoomable(width, height, left => lanes.forEach(lane => lane.setAttribute('x', LEFT + left)));
+  svg.append(...below, layer);
   return drawn;
 }
 
