@@ -162,14 +162,21 @@ pub struct CaptureArguments {
 #[command(after_help = "\
 Examples:
   shadowgraph graph builtin:cornell --format dot | dot -Tsvg > frame.svg
+  shadowgraph graph scene.glb --format html --times -o frame.html
   shadowgraph graph scene.glb --format json --layers Z > frame.json")]
 pub struct GraphArguments {
     /// What is rendered.
     #[command(flatten)]
     pub frame: FrameArguments,
-    /// As a drawing for Graphviz, as data, or as lines to read
+    /// As a drawing for Graphviz, as a page for a browser, as data, or as lines to read
     #[arg(long, value_enum, default_value_t = GraphFormat::Dot)]
     pub format: GraphFormat,
+    /// The file to write; otherwise it is printed
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Run the frame and add what its passes take on the device; for html and json
+    #[arg(long)]
+    pub times: bool,
 }
 
 /// Form of a printed graph.
@@ -177,6 +184,8 @@ pub struct GraphArguments {
 pub enum GraphFormat {
     /// Graphviz's language.
     Dot,
+    /// A self-contained page.
+    Html,
     /// One JSON object.
     Json,
     /// Lines to read.

@@ -276,6 +276,24 @@ fn graphs_are_printed() {
 }
 
 #[test]
+fn a_graph_is_written_as_a_page_with_times() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["graph", "builtin:cornell", "--size", "64x36", "--format", "html", "--times", "-o", "frame.html"];
+    assert_eq!(stdout(&succeeds(&folder, &arguments)), "");
+    let page = fs::read_to_string(folder.path().join("frame.html")).unwrap();
+    assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
+    let report = page.split_once("id=\"report\">").unwrap().1.split_once("</script>").unwrap().0;
+    let report: serde_json::Value = serde_json::from_str(report).unwrap();
+    let passes = report["steps"].as_array().unwrap().iter().filter(|step| step["kind"] == "pass");
+    let times: Vec<_> = passes.map(|step| step["milliseconds"].as_f64().unwrap()).collect();
+    assert!(times.len() > 2 && times.iter().all(|&time| time > 0.0), "{times:?}");
+
+    is_refused(&["graph", "builtin:cornell", "--size", "64x36", "--times"], "--times: these forms have no times");
+    let missing = run(&folder, &["graph", "builtin:cornell", "--size", "64x36", "-o", "nowhere/frame.dot"]);
+    assert!(!missing.status.success() && stderr(&missing).contains("nowhere"), "{}", stderr(&missing));
+}
+
+#[test]
 fn benchmarks_print_one_object_a_line() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = ["bench", "--json", "--runs", "1", "--size", "64x36", "--scene", "builtin:cornell"];

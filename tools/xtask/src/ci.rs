@@ -3,7 +3,7 @@
 use crate::drivers::Driver;
 use crate::failure::{Failure, Result};
 use crate::package::{PackageOptions, package};
-use crate::setup::setup;
+use crate::setup::setup_gate;
 use crate::test::{self, TestOptions};
 use crate::workspace::Workspace;
 use crate::{packages, shell};
@@ -13,7 +13,7 @@ use std::time::Instant;
 pub fn ci(workspace: &Workspace) -> Result<()> {
     let mut steps = Steps::default();
     steps.run("format", || cargo(workspace, &["fmt", "--all", "--check"]))?;
-    steps.run("set-up", || setup(workspace))?;
+    steps.run("set-up", || setup_gate(workspace))?;
     steps
         .run("clippy", || cargo(workspace, &["clippy", "--workspace", "--all-targets", "--", "--deny", "warnings"]))?;
     steps.run("rustdoc", || {

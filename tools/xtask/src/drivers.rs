@@ -77,6 +77,8 @@ struct Packed {
     folder: &'static str,
     package: &'static str,
     library: &'static str,
+    /// Where the package puts it: where it is installed, it is taken from there.
+    installed: Option<&'static str>,
     /// A suite of Debian 12 that is not among the system's sources.
     suite: Option<&'static str>,
 }
@@ -85,6 +87,7 @@ const LAVAPIPE_25: Packed = Packed {
     folder: "target/drivers/lavapipe25",
     package: "mesa-vulkan-drivers",
     library: "libvulkan_lvp.so",
+    installed: None,
     suite: Some("bookworm-backports"),
 };
 
@@ -92,16 +95,32 @@ const SWIFTSHADER: Packed = Packed {
     folder: "target/drivers/swiftshader",
     package: "chromium-common",
     library: "libvk_swiftshader.so",
+    installed: Some("/usr/lib/chromium/libvk_swiftshader.so"),
     suite: None,
 };
 
-/// Downloads a package, keeps its one library, and writes a manifest beside it.
+/// Takes a package's one library, installed or downloaded, and writes a manifest beside it.
 fn fetch(workspace: &Workspace, driver: &Packed) -> Result<PathBuf> {
     let folder = workspace.path(driver.folder);
     let manifest = folder.join("icd.json");
     if manifest.exists() {
         return Ok(manifest);
     }
+    let target = folder.join(driver.library);
+    match driver.installed.map(Path::new).filter(|library| library.is_file()) {
+        Some(library) => {
+            make_folder(&folder)?;
+            fs::copy(library, &target).map_err(|error| Failure::io("write", &target, &error))?;
+        }
+        None => unpack(&folder, &target, driver)?,
+    }
+    write(&manifest, &manifest_text(driver.library))?;
+    println!("{}: {}", driver.package, target.display());
+    Ok(manifest)
+}
+
+/// Downloads a package and keeps its one library.
+fn unpack(folder: &Path, target: &Path, driver: &Packed) -> Result<()> {
     if !packages::is_debian() {
         return Err(Failure::Usage(format!(
             "this driver is taken from Debian's package {}, and this system is not Debian's: choose another --driver",
@@ -116,12 +135,8 @@ fn fetch(workspace: &Workspace, driver: &Packed) -> Result<PathBuf> {
 
     let library = find(&scratch.join("root"), &|name| name == driver.library)
         .ok_or_else(|| Failure::Failed(format!("{} holds no {}", package.display(), driver.library)))?;
-    let target = folder.join(driver.library);
-    fs::rename(&library, &target).map_err(|error| Failure::io("write", &target, &error))?;
-    write(&manifest, &manifest_text(driver.library))?;
-    fs::remove_dir_all(&scratch).map_err(|error| Failure::io("remove", &scratch, &error))?;
-    println!("{}: {}", driver.package, target.display());
-    Ok(manifest)
+    fs::rename(&library, target).map_err(|error| Failure::io("write", target, &error))?;
+    fs::remove_dir_all(&scratch).map_err(|error| Failure::io("remove", &scratch, &error))
 }
 
 /// The package's file, fetched from the mirror that the system itself uses.

@@ -17,6 +17,11 @@ pub const PACKAGES: &[&str] = &[
     "openexr", // tests open our files with its tools
 ];
 
+/// What the gate needs beside [`PACKAGES`].
+pub const GATE_PACKAGES: &[&str] = &[
+    "chromium-headless-shell", // tests open the report's page in a browser; its chromium-common has SwiftShader
+];
+
 /// Whether this system's packages are Debian's.
 pub fn is_debian() -> bool {
     Path::new("/etc/debian_version").exists() && shell::has("dpkg-query") && shell::has("apt-get")

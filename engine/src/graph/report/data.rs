@@ -2,12 +2,14 @@
 
 use serde::Serialize;
 
-use super::path::critical_path;
+use super::path::{DependencyReport, critical_path, dependencies};
+use super::resource::{ResourceReport, resources};
+use crate::graph::PassTime;
 use crate::graph::description::{Access, Description, Range, Resource, ResourceId, Shape, Use};
 use crate::graph::plan::{Barriers, Batch, Ownership, Plan, Reason, Statistics, Wait, Work, apart};
 
 /// Name of the form of [`Report`], with its version.
-pub const SCHEMA: &str = "shadowgraph.graph/1.1";
+pub const SCHEMA: &str = "shadowgraph.graph/1.2";
 
 /// A description and its plan.
 #[derive(Clone, Debug, Serialize)]
@@ -26,6 +28,8 @@ pub struct Report {
     pub finally: Vec<BarrierReport>,
     /// Passes that do not run.
     pub culled: Vec<CulledReport>,
+    /// Resources that a step uses.
+    pub resources: Vec<ResourceReport>,
     /// Memory of transients.
     pub memory: MemoryReport,
     /// Figures.
@@ -49,6 +53,8 @@ pub struct StepReport {
     pub reads: Vec<UseReport>,
     /// What it writes.
     pub writes: Vec<UseReport>,
+    /// Earlier steps whose results it uses.
+    pub depends: Vec<DependencyReport>,
     /// Why it runs although nobody reads what it writes.
     pub side_effect: Option<String>,
     /// Time on the device, where the frame ran and the device tells.
@@ -194,8 +200,9 @@ impl Report {
         for (index, batch) in plan.batches.iter().enumerate() {
             batch.steps.iter().for_each(|&step| batch_of[step] = index);
         }
-        let steps = plan.steps.iter().zip(batch_of);
-        let step = |(step, batch): (&crate::graph::plan::Step, usize)| StepReport {
+        let steps = plan.steps.iter().zip(batch_of).zip(dependencies(description, plan));
+        let step = |((step, batch), depends): ((&crate::graph::plan::Step, usize), _)| StepReport {
+            depends,
             queue: format!("{:?}", step.queue),
             batch,
             barriers: barriers(description, &step.barriers),
@@ -213,8 +220,17 @@ impl Report {
             critical_path: critical_path(description, plan, |_| 1.0),
             finally: barriers(description, &plan.finally),
             culled: culled.collect(),
+            resources: resources(description, plan),
             memory: memory(description, plan),
             statistics: plan.statistics,
+        }
+    }
+
+    /// Adds what passes took when the plan ran ([`Executed::passes`](crate::graph::Executed::passes)), by name.
+    pub fn add_times(&mut self, times: &[PassTime]) {
+        for step in self.steps.iter_mut().filter(|step| step.kind == "pass") {
+            let time = times.iter().find(|time| time.name == step.name);
+            step.milliseconds = time.map(|time| time.seconds * 1e3).or(step.milliseconds);
         }
     }
 
@@ -250,6 +266,7 @@ fn step(description: &Description, work: Work) -> StepReport {
         barriers: Vec::new(),
         reads: Vec::new(),
         writes: Vec::new(),
+        depends: Vec::new(),
         side_effect: None,
         milliseconds: None,
     };

@@ -1,5 +1,8 @@
-//! The critical path: the longest chain of steps that wait for one another's results.
+//! Which steps wait for whose results, and the critical path: the longest chain of them.
 
+use serde::Serialize;
+
+use super::data::part;
 use crate::graph::description::{Description, PassId, Source, VersionId};
 use crate::graph::plan::{Plan, Work};
 
@@ -22,6 +25,44 @@ pub fn critical_path(description: &Description, plan: &Plan, cost: impl Fn(usize
     let mut path: Vec<usize> = std::iter::successors(last, |&step| chains[step].1).collect();
     path.reverse();
     path
+}
+
+/// An earlier step whose result a step uses.
+#[derive(Clone, Debug, Serialize)]
+pub struct DependencyReport {
+    /// The earlier one, by index into the report's steps.
+    pub step: usize,
+    /// Name of the resource.
+    pub resource: String,
+    /// Which part of it, in words; empty where it is all.
+    pub part: String,
+    /// Whether it is written over without being read.
+    pub overwrites: bool,
+}
+
+/// By step of the plan, the steps whose results it uses.
+pub(super) fn dependencies(description: &Description, plan: &Plan) -> Vec<Vec<DependencyReport>> {
+    let mut step_of = vec![None; description.passes.len()];
+    for (index, step) in plan.steps.iter().enumerate() {
+        if let Work::Pass(pass) = step.work {
+            step_of[pass.0 as usize] = Some(index);
+        }
+    }
+    let of = |step: &crate::graph::plan::Step| {
+        let mut found = Vec::new();
+        for (id, overwrites) in used(description, step.work) {
+            let version = &description.versions[id.0 as usize];
+            let resource = &description.resources[version.resource.0 as usize];
+            let part = part(&resource.shape, &version.range);
+            // Makers in an earlier segment of the frame are not steps of this plan.
+            for step in makers(description, id).iter().filter_map(|pass| step_of[pass.0 as usize]) {
+                let (resource, part) = (resource.name.clone(), part.clone());
+                found.push(DependencyReport { step, resource, part, overwrites });
+            }
+        }
+        found
+    };
+    plan.steps.iter().map(of).collect()
 }
 
 /// Versions that a step uses, and whether it only writes over them.
