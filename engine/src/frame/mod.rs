@@ -31,7 +31,7 @@ pub struct FrameSettings {
     pub spot: Spot,
     /// Radiance that comes from everywhere, cd/m².
     pub environment: Vec3,
-    /// How finely the G-buffer and the picture are stored.
+    /// How finely the G-buffer is stored.
     pub precision: Precision,
     /// Which layers are captured. What only others need is not rendered.
     pub layers: Selection,
@@ -85,8 +85,7 @@ impl FrameSettings {
             lights: &lights,
             masks: shadows.masks.as_ref(),
         };
-        let float = self.precision == Precision::Float;
-        let lit = Lighting { environment: self.environment, float }.record(graph, scene, view, &input);
+        let lit = Lighting { environment: self.environment }.record(graph, scene, view, &input);
         let forward = ForwardLights {
             lights: &lights,
             cascades: shadows.sun.as_ref().map(|sun| {

@@ -77,7 +77,7 @@ fn help_is_no_failure_and_bad_usage_is() {
     is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--size", "0x9"], "1280x720");
     is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--eye", "1,2"], "three finite numbers");
     is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--compression", "lzw"], "piz");
-    is_refused(&["bench", "nothing"], "capture, write");
+    is_refused(&["bench", "nothing"], "capture, graph, write");
 }
 
 #[test]

@@ -131,8 +131,8 @@ pub(super) fn batch(barriers: &Barriers, memory: &Resources) -> Batch {
         add_memory(&mut batch, order[0], order[1]);
         batch.images.push(
             vk::ImageMemoryBarrier2::default()
-                .src_stage_mask(barrier.from.stages)
-                .src_access_mask(barrier.from.mask)
+                .src_stage_mask(barrier.from.stages | barrier.follows.stages)
+                .src_access_mask(barrier.from.mask | barrier.follows.mask)
                 .dst_stage_mask(barrier.to.stages)
                 .dst_access_mask(barrier.to.mask)
                 .old_layout(barrier.from.layout)

@@ -328,7 +328,16 @@ pub(super) fn together(context: &Context, pending: &[Pending], barriers: &mut Ba
                     }
                     for range in one.into_iter().chain(parts) {
                         if context.is_image(resource) {
-                            barriers.images.push(ImageBarrier { resource, range, from, to, ownership, reason });
+                            let follows = Access::NONE;
+                            barriers.images.push(ImageBarrier {
+                                resource,
+                                range,
+                                from,
+                                follows,
+                                to,
+                                ownership,
+                                reason,
+                            });
                         } else {
                             barriers.buffers.push(BufferBarrier { resource, range, from, to, ownership, reason });
                         }

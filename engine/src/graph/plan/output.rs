@@ -101,6 +101,9 @@ pub struct ImageBarrier {
     pub range: Range,
     /// First scopes, and the layout it was in. `UNDEFINED`: what was there does not matter.
     pub from: Access,
+    /// What a transition comes behind by way of other barriers: no part of what Vulkan asks for, but synchronisation
+    /// validation looks for it in the transition's own barrier.
+    pub follows: Access,
     /// Second scopes, and the layout it gets.
     pub to: Access,
     /// Queue family ownership transfer.

@@ -105,6 +105,9 @@ impl<'a> Ordered<'a> {
         };
         memory.retain_mut(|barrier| !known(&mut barrier.from, &barrier.to, barrier.reason.before));
         images.retain_mut(|barrier| {
+            if barrier.from.layout != barrier.to.layout {
+                barrier.follows = barrier.from;
+            }
             !known(&mut barrier.from, &barrier.to, barrier.reason.before) || barrier.ownership.is_some()
         });
         buffers.retain_mut(|barrier| {

@@ -13,8 +13,6 @@ use crate::shader::generated::{blocks, shading::lighting::lighting_comp as shade
 pub struct Lighting {
     /// Radiance that comes from everywhere, cd/m².
     pub environment: Vec3,
-    /// Stores 32-bit floats. Half-floats otherwise: what they cannot hold becomes infinite, which a capture counts.
-    pub float: bool,
 }
 
 /// What the pass reads of the first opaque surface; see `surface::gbuffer`.
@@ -35,7 +33,7 @@ pub struct LightingInput<'h> {
     pub masks: Option<&'h ImageHandle>,
 }
 
-/// Radiance towards the camera, cd/m², premultiplied; alpha is 0 where there is no surface.
+/// Radiance towards the camera, cd/m², 32-bit floats (a half-float may saturate in silence), premultiplied; alpha is 0 where there is no surface.
 pub struct Lit {
     /// Everything.
     pub color: ImageHandle,
@@ -46,8 +44,7 @@ pub struct Lit {
 impl Lighting {
     /// Shades every pixel.
     pub fn record(&self, graph: &mut Graph, scene: &GpuScene, view: &View, input: &LightingInput) -> Lit {
-        let format = if self.float { vk::Format::R32G32B32A32_SFLOAT } else { vk::Format::R16G16B16A16_SFLOAT };
-        let shape = ImageShape::new_2d(format, view.size);
+        let shape = ImageShape::new_2d(vk::Format::R32G32B32A32_SFLOAT, view.size);
         let color = graph.image("lighting.color", shape);
         let direct = graph.image("lighting.direct", shape);
         let mut pass = graph.compute("lighting", &shader::SHADER);
