@@ -50,7 +50,7 @@ pub fn merge(workspace: &Workspace) -> Result<()> {
     fs::rename(&from, &to).map_err(|error| Failure::io("write", &to, &error))?;
     if exists {
         // The crate has copied the old archive and does not see that it has changed.
-        for profile in ["dev", "release"] {
+        for profile in ["dev", "demo", "release"] {
             shell::run(&mut shell::cargo(
                 &workspace.root,
                 &["clean", "--quiet", "--package", "shaderc-sys", "--profile", profile],

@@ -11,10 +11,10 @@ const CAPTURE: &[&str] = &["capture", "builtin:courtyard", "--size", "1280x720",
 /// Sets up, builds, captures the courtyard, and says where the pictures are.
 pub fn demo(workspace: &Workspace) -> Result<()> {
     setup(workspace)?;
-    shell::run(&mut shell::cargo(&workspace.root, &["build", "--release", "--package", "shadowgraph-cli"]))?;
+    shell::run(&mut shell::cargo(&workspace.root, &["build", "--profile", "demo", "--package", "shadowgraph-cli"]))?;
 
     make_folder(&workspace.path("out"))?;
-    let program = workspace.target().join(format!("release/shadowgraph{}", std::env::consts::EXE_SUFFIX));
+    let program = workspace.target().join(format!("demo/shadowgraph{}", std::env::consts::EXE_SUFFIX));
     let mut capture = shell::command(&workspace.root, &program.to_string_lossy(), CAPTURE);
     let start = Instant::now();
     shell::run(capture.args(["-o", "out/demo.exr", "--png", "out/demo.png"]))?;
