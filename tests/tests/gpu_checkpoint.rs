@@ -4,9 +4,8 @@
 mod gpu_support;
 
 use ash::vk;
-use gpu_support::{binding, shader};
-use shadowgraph::gpu::Gpu;
-use shadowgraph::graph::{Executed, Executor, First, Graph, ImageShape};
+use gpu_support::{binding, run, shader};
+use shadowgraph::graph::{Executor, First, ImageShape};
 use shadowgraph::shader::{
     Binding, BindingKind, Read, ReadWrite, Shader, ShaderAccess, Stage, StorageSlot, UniformSlot, Write,
 };
@@ -17,11 +16,6 @@ const PIXELS: u32 = 1000;
 
 fn compute(file: &'static str, source: &str, bindings: &'static [Binding]) -> &'static Shader {
     shader(Stage::Compute, file, source, bindings, &[], [64, 1, 1])
-}
-
-fn run(executor: &mut Executor, gpu: &Gpu, graph: Graph) -> Executed {
-    let plan = graph.compile(gpu).unwrap_or_else(|errors| panic!("{errors}"));
-    executor.execute(&plan, graph).unwrap()
 }
 
 /// How many layers lie over a pixel, and how bright each of them is.

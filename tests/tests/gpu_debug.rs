@@ -4,8 +4,8 @@
 mod gpu_support;
 
 use ash::vk::{self, QueryPipelineStatisticFlags as Counter};
-use gpu_support::{binding, output, shader};
-use shadowgraph::gpu::{Feature, Gpu};
+use gpu_support::{binding, output, run, shader};
+use shadowgraph::gpu::Feature;
 use shadowgraph::graph::{BufferHandle, Data, Executed, Executor, Graph, ImageShape, Load};
 use shadowgraph::shader::{
     Binding, BindingKind, ColorSlot, Output, Program, Read, Shader, ShaderAccess, Stage, StorageSlot, UniformSlot,
@@ -15,11 +15,6 @@ use shadowgraph_tests::device::isolated_device;
 use shadowgraph_tests::harness::skip;
 
 const STORAGE: BindingKind = BindingKind::StorageBuffer;
-
-fn run(executor: &mut Executor, gpu: &Gpu, graph: Graph) -> Executed {
-    let plan = graph.compile(gpu).unwrap_or_else(|errors| panic!("{errors}"));
-    executor.execute(&plan, graph).unwrap()
-}
 
 /// A triangle over everything, of one colour.
 fn triangle() -> (Program, ColorSlot) {

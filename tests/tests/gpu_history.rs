@@ -4,9 +4,9 @@
 mod gpu_support;
 
 use ash::vk;
-use gpu_support::{binding, shader};
+use gpu_support::{binding, run, shader};
 use shadowgraph::gpu::Gpu;
-use shadowgraph::graph::{Executed, Executor, First, Graph, History, ImageHandle, ImageShape};
+use shadowgraph::graph::{Executor, First, Graph, History, ImageHandle, ImageShape};
 use shadowgraph::shader::{Binding, BindingKind, ImageSlot, Read, Shader, ShaderAccess, Stage, StorageSlot, Write};
 use shadowgraph_tests::device::isolated_device;
 
@@ -56,11 +56,6 @@ fn shape(size: [u32; 2]) -> ImageShape {
 
 fn ten() -> First {
     First::Color(vk::ClearColorValue { uint32: [10, 0, 0, 0] })
-}
-
-fn run(executor: &mut Executor, gpu: &Gpu, graph: Graph) -> Executed {
-    let plan = graph.compile(gpu).unwrap_or_else(|errors| panic!("{errors}"));
-    executor.execute(&plan, graph).unwrap()
 }
 
 /// What `count` frames since the first make of it.

@@ -6,6 +6,7 @@ use ash::vk;
 use half::f16;
 
 use super::Samples;
+use crate::gpu::linear_from_srgb;
 use crate::{Error, Result};
 
 /// Takes tightly packed texels of a format apart, into one [`Samples`] a component in the order R, G, B, A.
@@ -61,7 +62,7 @@ pub(super) fn unpack_component(format: vk::Format, bytes: &[u8], component: usiz
         // Alpha is linear as it is.
         F::R8G8B8A8_SRGB if component < 3 => {
             static LINEAR: LazyLock<[f32; 256]> =
-                LazyLock::new(|| std::array::from_fn(|byte| from_srgb(byte as f32 / 255.0)));
+                LazyLock::new(|| std::array::from_fn(|byte| linear_from_srgb(byte as f64 / 255.0) as f32));
             let linear = &*LINEAR;
             plane::<1, 4, _>(bytes, component, |[byte]| linear[usize::from(byte)]).map(Samples::F32)
         }
@@ -95,9 +96,4 @@ fn plane<const N: usize, const C: usize, T>(
     let (texels, rest) = scalars.as_chunks::<C>();
     let whole = odd.is_empty() && rest.is_empty() && component < C;
     whole.then(|| texels.iter().map(|texel| read(texel[component])).collect())
-}
-
-/// IEC 61966-2-1.
-fn from_srgb(encoded: f32) -> f32 {
-    if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }

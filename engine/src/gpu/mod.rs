@@ -45,6 +45,7 @@ pub use buffer::{Buffer, BufferInfo};
 pub use caps::{Caps, DeviceKind, Feature, Limits, QueueFamily};
 pub use commands::{Commands, SemaphoreAt, SubmitToken};
 pub use descriptor::{Descriptor, DescriptorArena, DescriptorSet, SetLayout};
+pub(crate) use format::linear_from_srgb;
 pub use format::{FormatInfo, Numeric};
 pub use image::Image;
 pub use image_info::{ImageInfo, ViewInfo};

@@ -199,9 +199,8 @@ impl<'f> Graph<'f> {
 
     /// Takes an image apart into its array layers, which can then be written in any order.
     pub fn split_layers(&mut self, image: ImageHandle) -> Vec<ImageHandle> {
-        let Range::Image { aspects, mips, layers } = image.range else { return Vec::new() };
-        let parts = layers[0]..layers[1];
-        parts.map(|layer| self.split(&image, Range::Image { aspects, mips, layers: [layer, layer + 1] })).collect()
+        let [first, end] = image.layers();
+        self.split_layer_blocks(image, &vec![1; (end - first) as usize])
     }
 
     /// Takes the first layers of an image apart into blocks of so many layers, which can then be written in any order.

@@ -13,7 +13,7 @@ use super::description::{Access, ImageShape, Origin, Queue, Range, ResourceId, S
 use super::errors::{ErrorKind, GraphError};
 use super::handle::{BufferHandle, Handle, ImageHandle};
 use super::pass::Work;
-use super::plan::{Plan, held_at_the_end};
+use super::plan::{Plan, held_at_the_end, states};
 
 /// What the last frame left, and what this one leaves for the next one.
 #[derive(Debug)]
@@ -172,7 +172,7 @@ impl Graph<'_> {
         let partly = self.histories.iter().filter(|declared| {
             // A plan knows of its segment alone.
             let held = match self.description.checkpoints.is_empty() {
-                true => amount_held(&ends(plan, declared.resources[1])),
+                true => amount_held(&states(&plan.ends, declared.resources[1])),
                 false => held_at_the_end(&self.description, declared.resources[1]),
             };
             0 < held && held < declared.shape.whole().amount()
@@ -192,7 +192,7 @@ impl Graph<'_> {
 impl Declared {
     /// What the next frame goes on with: whether both take turns, and the states.
     pub(super) fn after(&self, plan: &Plan) -> (bool, Kept) {
-        let [last, new] = self.resources.map(|resource| ends(plan, resource));
+        let [last, new] = self.resources.map(|resource| states(&plan.ends, resource));
         let turned = all_held(&self.shape, &new);
         let states = if turned { [new, last] } else { [last, new] };
         (turned, Kept { shape: self.shape.clone(), states, turn: self.found.map_or(0, |turn| turn + 1) })
@@ -206,10 +206,6 @@ fn mistake(key: &str, wrong: String, allowed: &str) -> GraphError {
 
 fn previous_name(key: &str) -> String {
     format!("{key} of the last frame")
-}
-
-fn ends(plan: &Plan, resource: ResourceId) -> Vec<State> {
-    plan.ends.iter().filter(|end| end.resource == resource).map(|end| end.state).collect()
 }
 
 fn all_held(shape: &Shape, states: &[State]) -> bool {

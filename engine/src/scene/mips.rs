@@ -2,6 +2,7 @@
 //! for each format and size before the first frame.
 
 use super::Texture;
+use crate::gpu::linear_from_srgb;
 
 /// Levels 1 and up of a texture, each RGBA with 8 bits a channel: level `k + 1` is level `k` sampled linearly at its
 /// texel centres, which for even sizes is the average of 2×2 texels. Colours are averaged as light where they are
@@ -40,7 +41,7 @@ impl Coding {
 
     fn srgb() -> Self {
         let top = f64::from((1u32 << LIGHT_BITS) - 1);
-        let light = |code: f64| (from_srgb(code / 255.0) * top).round() as u32;
+        let light = |code: f64| (linear_from_srgb(code / 255.0) * top).round() as u32;
         // A code stands for all light nearer to it than to its neighbours, as seen in the encoding.
         let mut encode = vec![255; 1 << LIGHT_BITS];
         let mut first = 0;
@@ -62,11 +63,6 @@ impl Coding {
 
 fn plain(value: u32) -> u8 {
     ((value + (1 << (PLAIN_BITS - 1))) >> PLAIN_BITS).min(255) as u8
-}
-
-/// IEC 61966-2-1.
-fn from_srgb(encoded: f64) -> f64 {
-    if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
 /// Where a texel of the next level lies between two of this one: their indices, and the second's share in 1/256.

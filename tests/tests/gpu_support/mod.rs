@@ -3,6 +3,7 @@
 
 use ash::vk;
 use shadowgraph::gpu::{Buffer, BufferInfo, Commands, Gpu, GpuOptions, Image, Memory, Validation};
+use shadowgraph::graph::{Executed, Executor, Graph};
 use shadowgraph::shader::{Binding, BindingKind, Output, OutputScalar, Shader, ShaderAccess, Stage};
 
 pub fn options() -> GpuOptions {
@@ -63,6 +64,12 @@ pub const fn binding(binding: u32, name: &'static str, kind: BindingKind, access
 
 pub const fn output(location: u32, name: &'static str) -> Output {
     Output { location, name, scalar: OutputScalar::Float, components: 4 }
+}
+
+/// Plans and runs a frame.
+pub fn run(executor: &mut Executor, gpu: &Gpu, graph: Graph) -> Executed {
+    let plan = graph.compile(gpu).unwrap_or_else(|errors| panic!("{errors}"));
+    executor.execute(&plan, graph).unwrap()
 }
 
 pub fn buffer(gpu: &Gpu, name: &str, size: u64, usage: vk::BufferUsageFlags, memory: Memory) -> Buffer {

@@ -8,12 +8,12 @@ use std::time::Instant;
 use shadowgraph::capture::{
     CapturedFrame, ExrOptions, FrameCapture, PngOptions, auto_exposure, picture, write_exr, write_png,
 };
-use shadowgraph::frame::{Frame, FrameSettings, Selection};
+use shadowgraph::frame::Selection;
 use shadowgraph::gpu::Gpu;
-use shadowgraph::graph::{Executed, Executor, Graph};
+use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::{Camera, GpuScene};
 
-use crate::cli::{CaptureArguments, DebugArguments};
+use crate::cli::CaptureArguments;
 use crate::debug;
 use crate::failure::{Failure, Result};
 use crate::output::print;
@@ -85,7 +85,8 @@ fn render_and_write(
     }
     let mut executor = Executor::new(gpu);
     executor.serialize(arguments.debug.serialize);
-    let once = || render(&mut executor, gpu, scene, &settings, &arguments.debug);
+    let change = |graph: &mut Graph| debug::prepare(&arguments.debug, graph);
+    let once = || session::render(&mut executor, gpu, scene, &settings, change);
     let (mut frame, executed) =
         if arguments.phases { render_twice(once, phases)? } else { phases.time("rendering", once)? };
     for warning in &frame.warnings {
@@ -125,21 +126,6 @@ fn render_and_write(
         told.extend(phases.time("writing", || debug::write(&arguments.debug, &executed, path))?);
     }
     Ok(told)
-}
-
-fn render(
-    executor: &mut Executor,
-    gpu: &Gpu,
-    scene: &GpuScene,
-    settings: &FrameSettings,
-    debugging: &DebugArguments,
-) -> Result<(Frame, Executed)> {
-    let mut graph = Graph::new("frame", gpu.caps());
-    let frame = session::record(settings, &mut graph, scene)?;
-    debug::prepare(debugging, &mut graph)?;
-    let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
-    let executed = executor.execute(&plan, graph)?;
-    Ok((frame, executed))
 }
 
 /// The driver compiles shaders at their first draw: what the first frame takes more than the second.

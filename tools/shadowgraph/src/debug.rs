@@ -62,36 +62,19 @@ fn write_image(path: &Path, capture: &Capture, shape: &ImageShape) -> Result<()>
     let axes = [shape.layers as usize * depth, height, width, components];
     let is_uint = layers.iter().flatten().all(|plane| matches!(plane, Samples::U32(_)));
     if is_uint {
-        return Ok(write_npy(
-            path,
-            &axes,
-            &interleaved(&layers, |plane, texel| match plane {
-                Samples::U32(values) => values[texel],
-                _ => 0,
-            }),
-        )?);
+        let words = |plane| if let Samples::U32(values) = plane { values } else { Vec::new() };
+        return Ok(write_npy(path, &axes, &interleaved(layers, words))?);
     }
-    let values = interleaved(&layers, |plane, texel| match plane {
-        Samples::F32(values) => values[texel],
-        Samples::F16(values) => values[texel].to_f32(),
-        Samples::U32(values) => values[texel] as f32,
-    });
-    Ok(write_npy(path, &axes, &values)?)
+    Ok(write_npy(path, &axes, &interleaved(layers, Samples::into_f32))?)
 }
 
 /// Planes of each layer as texels.
-fn interleaved<T>(layers: &[Vec<Samples>], value: impl Fn(&Samples, usize) -> T) -> Vec<T> {
-    let length = |plane: &Samples| match plane {
-        Samples::F16(values) => values.len(),
-        Samples::F32(values) => values.len(),
-        Samples::U32(values) => values.len(),
-    };
+fn interleaved<T: Copy>(layers: Vec<Vec<Samples>>, values: impl Fn(Samples) -> Vec<T>) -> Vec<T> {
     let mut all = Vec::new();
     for planes in layers {
-        let texels = planes.iter().map(length).min().unwrap_or(0);
-        all.extend(
-            (0..texels).flat_map(|texel| planes.iter().map(move |plane| (plane, texel))).map(|(p, t)| value(p, t)),
-        );
+        let planes: Vec<Vec<T>> = planes.into_iter().map(&values).collect();
+        let texels = planes.iter().map(Vec::len).min().unwrap_or(0);
+        all.extend((0..texels).flat_map(|texel| planes.iter().map(move |plane| plane[texel])));
     }
     all
 }

@@ -59,12 +59,7 @@ fn show(arguments: &GraphArguments, gpu: &Gpu, scene: &GpuScene, settings: &Fram
 /// What the passes take in the second frame: in the first one drivers compile.
 fn measure(gpu: &Gpu, scene: &GpuScene, settings: &FrameSettings) -> Result<Vec<PassTime>> {
     let mut executor = Executor::new(gpu);
-    let mut frame = || -> Result<Vec<PassTime>> {
-        let mut graph = Graph::new("frame", gpu.caps());
-        session::record(settings, &mut graph, scene)?;
-        let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
-        Ok(executor.execute(&plan, graph)?.passes)
-    };
+    let mut frame = || session::render(&mut executor, gpu, scene, settings, |_| Ok(()));
     frame()?;
-    frame()
+    Ok(frame()?.1.passes)
 }

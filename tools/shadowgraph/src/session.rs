@@ -3,7 +3,7 @@
 use serde::Serialize;
 use shadowgraph::frame::{Frame, FrameSettings, Selection};
 use shadowgraph::gpu::{Gpu, GpuOptions, Messages, Severity, Validation};
-use shadowgraph::graph::Graph;
+use shadowgraph::graph::{Executed, Executor, Graph};
 use shadowgraph::scene::{Camera, GpuScene, Scene};
 use shadowgraph::techniques::surface::gbuffer::Precision;
 
@@ -83,6 +83,22 @@ pub fn record<'f>(settings: &FrameSettings, graph: &mut Graph<'f>, scene: &'f Gp
         }
     }
     Ok(frame)
+}
+
+/// Records a frame, lets `change` look into it, and runs it.
+pub fn render(
+    executor: &mut Executor,
+    gpu: &Gpu,
+    scene: &GpuScene,
+    settings: &FrameSettings,
+    change: impl FnOnce(&mut Graph) -> Result<()>,
+) -> Result<(Frame, Executed)> {
+    let mut graph = Graph::new("frame", gpu.caps());
+    let frame = record(settings, &mut graph, scene)?;
+    change(&mut graph)?;
+    let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
+    let executed = executor.execute(&plan, graph)?;
+    Ok((frame, executed))
 }
 
 /// How a frame was made, for the file's header: what the arguments say that the rest of the header does not.

@@ -40,7 +40,8 @@ use crate::{Error, Result};
 pub struct Executor<'g> {
     gpu: &'g Gpu,
     pipelines: Pipelines,
-    descriptors: DescriptorArena,
+    /// Not in use by a frame: one that fails takes it away.
+    descriptors: Option<DescriptorArena>,
     transients: Transients,
     histories: Histories,
     serialize: bool,
@@ -115,6 +116,15 @@ struct Ran {
     running: Duration,
 }
 
+impl From<Ran> for Executed {
+    /// Of a frame of one segment.
+    fn from(ran: Ran) -> Self {
+        let Ran { captures, passes, counts, recording, running } = ran;
+        let captures = captures.into_iter().flatten().collect();
+        Self { captures, passes, counts, recording, running, later: Vec::new() }
+    }
+}
+
 impl Executed {
     /// A capture by name.
     ///
@@ -131,11 +141,10 @@ impl Executed {
 impl<'g> Executor<'g> {
     /// An executor without anything kept yet.
     pub fn new(gpu: &'g Gpu) -> Self {
-        let descriptors = gpu.descriptor_arena("passes");
         Self {
             gpu,
             pipelines: Pipelines::default(),
-            descriptors,
+            descriptors: None,
             transients: Transients::default(),
             histories: Histories::default(),
             serialize: false,
@@ -156,8 +165,9 @@ impl<'g> Executor<'g> {
         self.serialize = on;
     }
 
-    /// Whether passes get timestamps, debug labels, and the marks that name the last one should the device be lost. On
-    /// at the start; off, frames of many small passes record faster.
+    /// Whether passes get timestamps, debug labels, and the marks that name the last one should the device be lost, and
+    /// each transient an object and a debug name of its own. On at the start; off, frames of many small passes are made
+    /// ready and recorded faster.
     pub fn instruments(&mut self, on: bool) {
         self.instruments = on;
     }
@@ -178,10 +188,9 @@ impl<'g> Executor<'g> {
         let arena = self.arena(&arena.bytes)?;
         let mut frame = Frame { work: work.into_iter(), memory: Resources(external), arena, queries, first_pass: 0 };
         if description.checkpoints.is_empty() {
-            let Ran { captures, passes, counts, recording, running } = self.run_once(&description, plan, &mut frame)?;
+            let ran = self.run_once(description, plan, &mut frame)?;
             self.histories.keep(histories, plan, &frame.memory.0);
-            let captures = captures.into_iter().flatten().collect();
-            return Ok(Executed { captures, passes, counts, recording, running, later: Vec::new() });
+            return Ok(ran.into());
         }
         self.execute_segments(description, plan, &mut frame, later, histories)
     }
@@ -210,20 +219,18 @@ impl<'g> Executor<'g> {
     /// # Errors
     /// As [`Executor::execute`].
     pub fn run(&mut self, prepared: &mut Prepared) -> Result<Executed> {
-        let Ran { captures, passes, counts, recording, running } = self.record_and_wait(prepared)?;
-        let captures = captures.into_iter().flatten().collect();
-        Ok(Executed { captures, passes, counts, recording, running, later: Vec::new() })
+        Ok(self.record_and_wait(prepared)?.into())
     }
 
     /// Runs a frame, or a segment of one, once.
-    fn run_once(&mut self, description: &Description, plan: &Plan, frame: &mut Frame) -> Result<Ran> {
+    fn run_once(&mut self, description: Description, plan: &Plan, frame: &mut Frame) -> Result<Ran> {
         let start = Instant::now();
-        let mut descriptors = std::mem::replace(&mut self.descriptors, self.gpu.descriptor_arena("passes"));
+        let mut descriptors = self.descriptors.take().unwrap_or_else(|| self.gpu.descriptor_arena("passes"));
         descriptors.reset();
-        let mut prepared = self.ready(description.clone(), plan, frame, descriptors)?;
+        let mut prepared = self.ready(description, plan, frame, descriptors)?;
         let readying = start.elapsed();
         let ran = self.record_and_wait(&mut prepared)?;
-        (self.descriptors, frame.memory) = (prepared.descriptors, prepared.memory);
+        (self.descriptors, frame.memory) = (Some(prepared.descriptors), prepared.memory);
         Ok(Ran { recording: ran.recording + readying, ..ran })
     }
 

@@ -22,6 +22,8 @@ mod usage;
 mod validate;
 mod versions;
 
+use std::collections::HashMap;
+
 pub use apart::{Apart, apart};
 pub use device::{DeviceModel, Requirements, Usage};
 pub use output::{
@@ -29,6 +31,7 @@ pub use output::{
     Statistics, Step, Wait, Work,
 };
 pub use reason::{CullReason, Hazard, Reason};
+pub(super) use segments::states;
 pub use segments::{Segment, segment};
 pub(super) use versions::held_at_the_end;
 
@@ -39,7 +42,7 @@ use self::dependencies::{Dependencies, events};
 use self::history::History;
 use self::queues::{Families, RoundTrip};
 use self::versions::Versions;
-use super::description::{Access, Description, Origin, PassId, Queue, ResourceId};
+use super::description::{Access, Description, Origin, PassId, Queue, ResourceId, Shape};
 use super::errors::{ErrorKind, GraphError, GraphErrors};
 
 /// Plans a frame for a device; of a frame with checkpoints, what comes before the first one ([`segment`]).
@@ -156,9 +159,14 @@ fn requirements(
 ) -> Result<Vec<Option<Requirements>>, GraphErrors> {
     let mut errors = Vec::new();
     let mut all = Vec::with_capacity(usages.len());
+    // A device is asked once for resources that are alike.
+    let mut known: HashMap<(&Shape, Usage), Requirements> = HashMap::new();
     for (resource, usage) in description.resources.iter().zip(usages) {
         let usage = usage.filter(|_| resource.origin == Origin::Transient);
-        let needs = usage.map(|usage| device.requirements(&resource.shape, usage));
+        let needs = usage.map(|usage| {
+            let alike = known.entry((&resource.shape, usage));
+            *alike.or_insert_with(|| device.requirements(&resource.shape, usage))
+        });
         if let Some(Requirements { size, alignment, .. }) = needs
             && size.max(alignment) > MOST_BYTES
         {

@@ -8,7 +8,9 @@ use std::ops::Range as Span;
 use super::dependencies::{Dependencies, Node, events};
 use super::versions::Versions;
 use super::{Chosen, DeviceModel, End, Plan, Work, choose, plan_chosen, usage};
-use crate::graph::description::{Description, Origin, PassId, Resource, ResourceId, Source, State, Version, VersionId};
+use crate::graph::description::{
+    Checkpoint, Description, Origin, PassId, Resource, ResourceId, Source, State, Version, VersionId,
+};
 use crate::graph::errors::{ErrorKind, GraphError, GraphErrors};
 
 /// A part of a frame between two checkpoints.
@@ -78,15 +80,17 @@ impl<'a> Cuts<'a> {
     }
 
     fn passes(&self, index: usize) -> Span<usize> {
-        let at = |index: usize| self.whole.checkpoints.get(index).map(|checkpoint| checkpoint.passes);
-        let start = index.checked_sub(1).and_then(at).unwrap_or(0);
-        start..at(index).unwrap_or(self.whole.passes.len())
+        self.span(index, |checkpoint| checkpoint.passes, self.whole.passes.len())
     }
 
     fn versions(&self, index: usize) -> Span<usize> {
-        let at = |index: usize| self.whole.checkpoints.get(index).map(|checkpoint| checkpoint.versions);
-        let start = index.checked_sub(1).and_then(at).unwrap_or(0);
-        start..at(index).unwrap_or(self.whole.versions.len())
+        self.span(index, |checkpoint| checkpoint.versions, self.whole.versions.len())
+    }
+
+    /// From one checkpoint to the next; `end`: where the last segment ends.
+    fn span(&self, index: usize, before: impl Fn(&Checkpoint) -> usize, end: usize) -> Span<usize> {
+        let at = |index: usize| self.whole.checkpoints.get(index).map(&before);
+        index.checked_sub(1).and_then(at).unwrap_or(0)..at(index).unwrap_or(end)
     }
 
     /// The segment of a pass, or of the version that a root reads.
@@ -223,7 +227,8 @@ impl<'a> Cuts<'a> {
     }
 }
 
-fn states(ends: &[End], resource: ResourceId) -> Vec<State> {
+/// The states in which a plan leaves the parts of a resource.
+pub(in crate::graph) fn states(ends: &[End], resource: ResourceId) -> Vec<State> {
     ends.iter().filter(|end| end.resource == resource).map(|end| end.state).collect()
 }
 
