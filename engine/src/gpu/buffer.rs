@@ -88,6 +88,11 @@ impl Buffer {
         }))
     }
 
+    /// A number that no other object of its device ever has.
+    pub(super) fn id(&self) -> u64 {
+        self.0.id
+    }
+
     /// The Vulkan handle.
     pub fn raw(&self) -> vk::Buffer {
         self.0.buffer

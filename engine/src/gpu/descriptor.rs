@@ -165,19 +165,19 @@ impl DescriptorArena {
         set: u32,
         descriptors: &[(u32, Descriptor)],
     ) -> Result<vk::DescriptorSet> {
-        let who = format!("descriptor set {set} of pipeline {:?}", pipeline.name());
-        self.set_of(&who, layout_of(pipeline, set)?, descriptors)
+        let who = || set_of_pipeline(pipeline, set);
+        let layout = layout_of(pipeline, set)?;
+        let writes = Writes::check(&self.device, &who, layout, descriptors)?;
+        let raw = self.allocate(&who, layout)?;
+        writes.write(&self.device, raw);
+        self.kept.extend(descriptors.iter().map(|d| d.1.clone()));
+        Ok(raw)
     }
 
-    fn set_of(
-        &mut self,
-        who: &str,
-        layout: &SetLayout,
-        descriptors: &[(u32, Descriptor)],
-    ) -> Result<vk::DescriptorSet> {
-        let writes = Writes::check(&self.device, who, layout, descriptors)?;
+    /// A set that nothing is written to yet.
+    pub(super) fn allocate(&mut self, who: &dyn Fn() -> String, layout: &SetLayout) -> Result<vk::DescriptorSet> {
         let layouts = [layout.raw];
-        let raw = loop {
+        loop {
             // A set that is larger than a whole pool gets one of its own size.
             if self.current == self.pools.len() {
                 let sizes: Vec<_> = pool_sizes(layout)
@@ -191,14 +191,15 @@ impl DescriptorArena {
             let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
             // SAFETY: a live pool that only this arena uses, and a live layout.
             match unsafe { self.device.raw.allocate_descriptor_sets(&info) } {
-                Ok(sets) => break sets[0],
+                Ok(sets) => return Ok(sets[0]),
                 Err(vk::Result::ERROR_OUT_OF_POOL_MEMORY | vk::Result::ERROR_FRAGMENTED_POOL) => self.current += 1,
-                Err(e) => return Err(self.device.error("vkAllocateDescriptorSets", who, e)),
+                Err(e) => return Err(self.device.error("vkAllocateDescriptorSets", &who(), e)),
             }
-        };
-        writes.write(&self.device, raw);
-        self.kept.extend(descriptors.iter().map(|d| d.1.clone()));
-        Ok(raw)
+        }
+    }
+
+    pub(super) fn device(&self) -> &Arc<Device> {
+        &self.device
     }
 
     /// Gives all sets back. The device must be done with them.
@@ -257,7 +258,7 @@ impl Gpu {
         descriptors: &[(u32, Descriptor)],
     ) -> Result<DescriptorSet> {
         let device = &self.device;
-        let writes = Writes::check(device, &format!("descriptor set {name:?}"), layout, descriptors)?;
+        let writes = Writes::check(device, &|| format!("descriptor set {name:?}"), layout, descriptors)?;
         let pool = make_pool(device, name, &pool_sizes(layout), 1)?;
         let layouts = [layout.raw];
         let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
@@ -294,7 +295,12 @@ impl Gpu {
     }
 }
 
-fn layout_of(pipeline: &Pipeline, set: u32) -> Result<&SetLayout> {
+/// For messages.
+pub(super) fn set_of_pipeline(pipeline: &Pipeline, set: u32) -> String {
+    format!("descriptor set {set} of pipeline {:?}", pipeline.name())
+}
+
+pub(super) fn layout_of(pipeline: &Pipeline, set: u32) -> Result<&SetLayout> {
     pipeline
         .set_layout(set)
         .ok_or_else(|| Error::invalid(format!("pipeline {:?}", pipeline.name()), format!("it has no set {set}")))

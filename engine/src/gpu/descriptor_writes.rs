@@ -23,24 +23,24 @@ impl Writes {
     /// Checks that every element of every binding is given once and is of the right kind.
     pub(super) fn check(
         device: &Arc<Device>,
-        who: &str,
+        who: &dyn Fn() -> String,
         layout: &SetLayout,
         given: &[(u32, Descriptor)],
     ) -> Result<Writes> {
         let mut writes = Writes { entries: Vec::new(), buffers: Vec::new(), images: Vec::new() };
         let mut problems = Vec::new();
         for PipelineBinding { binding, .. } in layout.bindings.iter() {
-            let elements: Vec<&Descriptor> = given.iter().filter(|g| g.0 == binding.binding).map(|g| &g.1).collect();
-            let what = format!("binding {} {:?}", binding.binding, binding.name);
-            if elements.len() as u32 != binding.count.max(1) {
-                let count = binding.count.max(1);
-                problems.push(format!("{what} ({:?}) takes {count}, given are {}", binding.kind, elements.len()));
+            let elements = || given.iter().filter(|g| g.0 == binding.binding).map(|g| &g.1);
+            let what = || format!("binding {} {:?}", binding.binding, binding.name);
+            let (count, wanted) = (elements().count(), binding.count.max(1));
+            if count as u32 != wanted {
+                problems.push(format!("{} ({:?}) takes {wanted}, given are {count}", what(), binding.kind));
                 continue;
             }
-            for (element, descriptor) in elements.into_iter().enumerate() {
+            for (element, descriptor) in elements().enumerate() {
                 match writes.push(device, binding, element as u32, descriptor) {
                     Ok(()) => {}
-                    Err(Error::Invalid { what: object, why }) => problems.push(format!("{what}: {object}: {why}")),
+                    Err(Error::Invalid { what: object, why }) => problems.push(format!("{}: {object}: {why}", what())),
                     Err(e) => return Err(e),
                 }
             }
@@ -50,7 +50,7 @@ impl Writes {
                 problems.push(format!("there is no binding {number}"));
             }
         }
-        if problems.is_empty() { Ok(writes) } else { Err(Error::invalid(who, problems.join("; "))) }
+        if problems.is_empty() { Ok(writes) } else { Err(Error::invalid(who(), problems.join("; "))) }
     }
 
     fn push(&mut self, device: &Arc<Device>, binding: &Binding, element: u32, given: &Descriptor) -> Result<()> {

@@ -54,6 +54,11 @@ impl Image {
         }))
     }
 
+    /// A number that no other object of its device ever has.
+    pub(super) fn id(&self) -> u64 {
+        self.0.id
+    }
+
     /// The Vulkan handle.
     pub fn raw(&self) -> vk::Image {
         self.0.image

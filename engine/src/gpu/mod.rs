@@ -6,7 +6,7 @@
 //! leak, reported by name ([`Gpu::close`], [`Gpu::live_objects`]).
 //!
 //! Threads: [`Gpu`] and the objects here are `Send` and `Sync`. [`Commands`] and [`Uploader`] are `Send` only;
-//! [`DescriptorArena`] is recorded with through `&mut`. Submission takes a lock.
+//! [`DescriptorArena`] and [`DescriptorCache`] are recorded with through `&mut`. Submission takes a lock.
 //!
 //! `raw()` gives the Vulkan handle of an object, for recording. A handle is valid while the object lives; a clone
 //! given to [`Commands::keep`] lives until the device is done.
@@ -16,6 +16,7 @@ mod buffer;
 mod caps;
 mod commands;
 mod descriptor;
+mod descriptor_cache;
 mod descriptor_writes;
 mod device;
 mod features;
@@ -45,6 +46,7 @@ pub use buffer::{Buffer, BufferInfo};
 pub use caps::{Caps, DeviceKind, Feature, Limits, QueueFamily};
 pub use commands::{Commands, SemaphoreAt, SubmitToken};
 pub use descriptor::{Descriptor, DescriptorArena, DescriptorSet, SetLayout};
+pub use descriptor_cache::DescriptorCache;
 pub(crate) use format::linear_from_srgb;
 pub use format::{FormatInfo, Numeric};
 pub use image::Image;

@@ -98,6 +98,11 @@ impl Pipeline {
         }))
     }
 
+    /// A number that no other object of its device ever has.
+    pub(super) fn id(&self) -> u64 {
+        self.0.id
+    }
+
     /// The Vulkan handle.
     pub fn raw(&self) -> vk::Pipeline {
         self.0.pipeline

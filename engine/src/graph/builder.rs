@@ -326,7 +326,7 @@ impl<'f> Graph<'f> {
     }
 
     /// A use that reads.
-    pub(super) fn used(&mut self, slot: &str, handle: &impl Handle, access: Access) -> Use {
+    pub(super) fn used(&mut self, slot: &'static str, handle: &impl Handle, access: Access) -> Use {
         self.check_owner(slot, handle);
         Use { slot: slot.into(), version: handle.version(), makes: None, reads: true, access }
     }
@@ -335,7 +335,7 @@ impl<'f> Graph<'f> {
     pub(super) fn written<H: Handle>(
         &mut self,
         pass: PassId,
-        slot: &str,
+        slot: &'static str,
         handle: H,
         reads: bool,
         access: Access,
@@ -348,7 +348,7 @@ impl<'f> Graph<'f> {
     pub(super) fn replaced<H: Handle>(
         &mut self,
         pass: PassId,
-        slot: &str,
+        slot: &'static str,
         handle: H,
         reads: bool,
         access: Access,

@@ -4,6 +4,8 @@
 //! one; a read names the version it wants. What a version comes from says all there is to say about order:
 //! a reader comes after the pass that made the version and before the pass that replaces it.
 
+use std::borrow::Cow;
+
 use ash::vk;
 
 /// A whole frame, as described by its techniques.
@@ -303,7 +305,7 @@ pub enum Queue {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Use {
     /// What the pass calls it: name of the binding or of the attachment, for messages.
-    pub slot: String,
+    pub slot: Cow<'static, str>,
     /// The version it reads, or writes over.
     pub version: VersionId,
     /// The version it makes, where it writes.

@@ -126,23 +126,45 @@ fn push(device: &ash::Device, commands: vk::CommandBuffer, pipeline: &Pipeline, 
     }
 }
 
-/// One batch of barriers.
+/// Batches of barriers, one behind the other in flat lists.
 #[derive(Default)]
-pub(super) struct Batch {
+pub(super) struct Batches {
     pub(super) memory: Vec<vk::MemoryBarrier2<'static>>,
     pub(super) images: Vec<vk::ImageMemoryBarrier2<'static>>,
+    /// By batch: where its barriers for all memory, and where those of images end.
+    ends: Vec<[usize; 2]>,
 }
 
-impl Batch {
-    pub(super) fn record(&self, device: &ash::Device, commands: &Commands) {
-        if self.memory.is_empty() && self.images.is_empty() {
-            return;
-        }
-        let dependency =
-            vk::DependencyInfo::default().memory_barriers(&self.memory).image_memory_barriers(&self.images);
-        // SAFETY: see the module.
-        unsafe { device.cmd_pipeline_barrier2(commands.raw(), &dependency) }
+impl Batches {
+    /// What was added since the last batch is one.
+    pub(super) fn end(&mut self) {
+        self.ends.push([self.memory.len(), self.images.len()]);
     }
+
+    /// Barriers for all memory of the batch that is not ended yet.
+    pub(super) fn open_memory(&self) -> &[vk::MemoryBarrier2<'static>] {
+        &self.memory[self.ends.last().map_or(0, |end| end[0])..]
+    }
+
+    pub(super) fn record(&self, device: &ash::Device, commands: &Commands, batch: usize) {
+        let Some(&[memory, images]) = self.ends.get(batch) else { return };
+        let [first_memory, first_image] = batch.checked_sub(1).map_or([0; 2], |before| self.ends[before]);
+        barriers(device, commands, &self.memory[first_memory..memory], &self.images[first_image..images]);
+    }
+}
+
+fn barriers(
+    device: &ash::Device,
+    commands: &Commands,
+    memory: &[vk::MemoryBarrier2],
+    images: &[vk::ImageMemoryBarrier2],
+) {
+    if memory.is_empty() && images.is_empty() {
+        return;
+    }
+    let dependency = vk::DependencyInfo::default().memory_barriers(memory).image_memory_barriers(images);
+    // SAFETY: see the module.
+    unsafe { device.cmd_pipeline_barrier2(commands.raw(), &dependency) }
 }
 
 /// What is rendered to.
@@ -296,7 +318,7 @@ pub(super) fn full_barrier(device: &ash::Device, commands: &Commands) {
         .src_access_mask(all)
         .dst_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
         .dst_access_mask(all);
-    Batch { memory: vec![memory], ..Batch::default() }.record(device, commands);
+    barriers(device, commands, &[memory], &[]);
 }
 
 pub(super) fn timestamp(device: &ash::Device, commands: &Commands, pool: &QueryPool, index: u32) {

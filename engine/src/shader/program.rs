@@ -1,10 +1,10 @@
 //! What a technique says of a pipeline: shaders and fixed state. Formats come from the pass's attachments, so a
 //! program is plain data, and the pipelines behind it are made and kept by the device that runs it.
 
-use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
 use ash::vk;
+use rustc_hash::FxHashMap;
 
 use super::{ConstantSlot, Shader};
 use crate::gpu::{
@@ -112,7 +112,7 @@ pub struct Targets {
 /// The pipelines of a device, made at first use.
 #[derive(Default)]
 pub struct Pipelines {
-    made: Mutex<HashMap<Key, Pipeline>>,
+    made: Mutex<FxHashMap<Key, Pipeline>>,
 }
 
 type Key = Vec<u64>;
@@ -133,23 +133,34 @@ impl Pipelines {
     /// # Errors
     /// As [`Gpu::compute_pipeline`] and [`Gpu::graphics_pipeline`].
     pub fn all(&self, gpu: &Gpu, wanted: &[Wanted]) -> Result<Vec<Pipeline>> {
-        // 1. Find what is there.
-        let keys: Vec<Key> = wanted.iter().map(Wanted::key).collect();
+        // 1. Find what is there. Passes of one program often come in a row.
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut missing: HashMap<&Key, usize> = HashMap::new();
-        for (index, key) in keys.iter().enumerate().filter(|(_, key)| !made.contains_key(*key)) {
-            missing.entry(key).or_insert(index);
+        let mut found: Vec<Option<Pipeline>> = Vec::with_capacity(wanted.len());
+        let mut missing: FxHashMap<Key, Vec<usize>> = FxHashMap::default();
+        let (mut key, mut last) = (Key::new(), Key::new());
+        for (place, wanted) in wanted.iter().enumerate() {
+            std::mem::swap(&mut key, &mut last);
+            key.clear();
+            wanted.key(&mut key);
+            let known = if last == key { found.last().cloned().flatten() } else { made.get(&key).cloned() };
+            if known.is_none() {
+                missing.entry(key.clone()).or_default().push(place);
+            }
+            found.push(known);
         }
         // 2. Make the rest, in the order they are wanted in: the first failure is the one to tell.
-        let mut missing: Vec<usize> = missing.into_values().collect();
-        missing.sort_unstable();
-        let make = |place: usize| wanted[missing[place]].make(gpu);
-        let fault = |place: usize| Error::invalid(wanted[missing[place]].name(), "made the driver's compiler panic");
+        let mut missing: Vec<(Key, Vec<usize>)> = missing.into_iter().collect();
+        missing.sort_unstable_by_key(|(_, places)| places[0]);
+        let first = |index: usize| &wanted[missing[index].1[0]];
+        let make = |index: usize| first(index).make(gpu);
+        let fault = |index: usize| Error::invalid(first(index).name(), "made the driver's compiler panic");
         let new = parallel::map(missing.len(), make, fault)?;
-        made.extend(missing.iter().map(|&index| keys[index].clone()).zip(new));
+        for ((key, places), pipeline) in missing.into_iter().zip(new) {
+            places.into_iter().for_each(|place| found[place] = Some(pipeline.clone()));
+            made.insert(key, pipeline);
+        }
         // 3. Hand them out.
-        let find = |(key, wanted): (&Key, &Wanted)| made.get(key).cloned().map_or_else(|| wanted.make(gpu), Ok);
-        keys.iter().zip(wanted).map(find).collect()
+        Ok(found.into_iter().flatten().collect())
     }
 }
 
@@ -161,14 +172,14 @@ impl Wanted<'_> {
         }
     }
 
-    fn key(&self) -> Key {
+    /// Everything that tells two pipelines apart, in words.
+    fn key(&self, key: &mut Key) {
         match self {
             Self::Compute(shader, constants) => {
-                let mut key = vec![address(Some(shader))];
-                push_constants(&mut key, constants);
-                key
+                key.push(address(Some(shader)));
+                push_constants(key, constants);
             }
-            Self::Graphics(program, targets) => key(program, targets),
+            Self::Graphics(program, targets) => graphics_key(key, program, targets),
         }
     }
 
@@ -206,9 +217,8 @@ impl Wanted<'_> {
     }
 }
 
-/// Everything that tells two pipelines apart, in words.
-fn key(program: &Program, targets: &Targets) -> Key {
-    let mut key = vec![
+fn graphics_key(key: &mut Key, program: &Program, targets: &Targets) {
+    key.extend([
         address(Some(program.vertex)),
         address(program.geometry),
         address(program.fragment),
@@ -222,7 +232,7 @@ fn key(program: &Program, targets: &Targets) -> Key {
         targets.stencil.map_or(u64::MAX, |format| format.as_raw() as u64),
         u64::from(targets.view_mask) << 32 | u64::from(targets.samples),
         targets.color.len() as u64,
-    ];
+    ]);
     key.extend(targets.color.iter().map(|format| format.as_raw() as u64));
     let b = program.blend;
     key.extend([
@@ -240,11 +250,10 @@ fn key(program: &Program, targets: &Targets) -> Key {
             key.extend([s.compare_mask, s.write_mask].map(u64::from));
         }
     }
-    push_constants(&mut key, &program.constants);
+    push_constants(key, &program.constants);
     key.extend(
         program.set_layouts.iter().flat_map(|(set, layout)| [u64::from(*set), vk::Handle::as_raw(layout.raw())]),
     );
-    key
 }
 
 fn address(shader: Option<&'static Shader>) -> u64 {

@@ -118,7 +118,7 @@ impl Draft {
 impl PassDraft<'_> {
     /// Reads a version.
     pub fn read(&mut self, slot: &str, version: VersionId, access: Access) {
-        self.uses.push(Use { slot: slot.into(), version, makes: None, reads: true, access });
+        self.uses.push(Use { slot: slot.to_owned().into(), version, makes: None, reads: true, access });
     }
 
     /// Writes over a version of which something remains; gives the next one.
@@ -136,7 +136,7 @@ impl PassDraft<'_> {
         let Version { resource, range, .. } = self.description.versions[from.0 as usize];
         let source = Source::Pass { pass: self.pass, from };
         self.description.versions.push(Version { resource, range, source });
-        self.uses.push(Use { slot: slot.into(), version: from, makes: Some(made), reads, access });
+        self.uses.push(Use { slot: slot.to_owned().into(), version: from, makes: Some(made), reads, access });
         made
     }
 }

@@ -6,6 +6,7 @@ mod queries;
 mod resources;
 mod run;
 mod segments;
+mod sets;
 mod timer;
 mod transients;
 
@@ -21,17 +22,16 @@ pub use timer::PassTime;
 use self::histories::Histories;
 use self::queries::Queries;
 use self::resources::Resources;
+use self::sets::Sets;
 use self::timer::Timer;
 use self::transients::Transients;
-use super::builder::{External, Graph};
-use super::description::{Description, PassId, Range};
-use super::pass::{Bound, What, Work};
+use super::builder::Graph;
+use super::description::{Description, PassId};
+use super::pass::Work;
 use super::plan::{Plan, Segment, Work as Step};
-use super::record::{self, Batch, BoundCompute, Ready};
-use crate::gpu::{
-    Buffer, BufferInfo, Descriptor, DescriptorArena, Gpu, Image, Memory, Pipeline, SamplerInfo, ViewInfo,
-};
-use crate::shader::{Binding, BindingKind, Pipelines, Wanted};
+use super::record::{self, Batches, BoundCompute, Ready};
+use crate::gpu::{Buffer, BufferInfo, DescriptorCache, Gpu, Memory};
+use crate::shader::Pipelines;
 use crate::{Error, Result};
 
 /// Runs frames on a device, and keeps from frame to frame what they can share: pipelines, descriptor pools, memory.
@@ -41,7 +41,9 @@ pub struct Executor<'g> {
     gpu: &'g Gpu,
     pipelines: Pipelines,
     /// Not in use by a frame: one that fails takes it away.
-    descriptors: Option<DescriptorArena>,
+    descriptors: Option<DescriptorCache>,
+    /// What the host gave the last frame's shaders: the next one's bytes go there, and sets that point at it stay.
+    arena: Option<Buffer>,
     transients: Transients,
     histories: Histories,
     serialize: bool,
@@ -53,10 +55,13 @@ pub struct Executor<'g> {
 /// Frames of one executor share memory: none keeps anything from run to run but what it imports.
 pub struct Prepared<'f> {
     description: Description,
-    steps: Vec<ReadyStep<'f>>,
-    finally: Batch,
+    steps: Vec<Task<'f>>,
+    /// One before each step, and the last one at the end.
+    barriers: Batches,
+    /// Of all passes.
+    programs: Vec<Ready>,
     memory: Resources,
-    descriptors: DescriptorArena,
+    descriptors: DescriptorCache,
     timer: Timer,
     queries: Queries,
     /// Number of its first pass in the whole frame.
@@ -65,16 +70,10 @@ pub struct Prepared<'f> {
     _arena: Option<Buffer>,
 }
 
-/// One step with all that recording needs.
-struct ReadyStep<'f> {
-    barriers: Batch,
-    task: Task<'f>,
-}
-
-// Nearly all are passes: a box would only add a way to go.
+/// One step with all that recording needs. Nearly all are passes: a box would only add a way to go.
 #[allow(clippy::large_enum_variant)]
 enum Task<'f> {
-    Pass { pass: u32, work: Work<'f>, programs: Vec<Ready> },
+    Pass { pass: u32, work: Work<'f>, programs: std::ops::Range<usize> },
     ReadBack(usize),
 }
 
@@ -145,6 +144,7 @@ impl<'g> Executor<'g> {
             gpu,
             pipelines: Pipelines::default(),
             descriptors: None,
+            arena: None,
             transients: Transients::default(),
             histories: Histories::default(),
             serialize: false,
@@ -185,14 +185,17 @@ impl<'g> Executor<'g> {
     pub fn execute(&mut self, plan: &Plan, graph: Graph) -> Result<Executed> {
         let Graph { description, work, mut external, arena, histories, later, queries, .. } = graph;
         self.histories.take(self.gpu, &histories, &mut external)?;
-        let arena = self.arena(&arena.bytes)?;
+        let arena = self.arena_of_this_frame(&arena.bytes)?;
         let mut frame = Frame { work: work.into_iter(), memory: Resources(external), arena, queries, first_pass: 0 };
         if description.checkpoints.is_empty() {
             let ran = self.run_once(description, plan, &mut frame)?;
             self.histories.keep(histories, plan, &frame.memory.0);
+            self.arena = frame.arena;
             return Ok(ran.into());
         }
-        self.execute_segments(description, plan, &mut frame, later, histories)
+        let executed = self.execute_segments(description, plan, &mut frame, later, histories)?;
+        self.arena = frame.arena;
+        Ok(executed)
     }
 
     /// Makes a frame ready to be run any number of times: pipelines, descriptor sets, memory and barriers are there
@@ -210,7 +213,7 @@ impl<'g> Executor<'g> {
         }
         let arena = self.arena(&arena.bytes)?;
         let mut frame = Frame { work: work.into_iter(), memory: Resources(external), arena, queries, first_pass: 0 };
-        let descriptors = self.gpu.descriptor_arena(&description.name);
+        let descriptors = self.gpu.descriptor_cache(&description.name);
         self.ready(description, plan, &mut frame, descriptors)
     }
 
@@ -225,8 +228,8 @@ impl<'g> Executor<'g> {
     /// Runs a frame, or a segment of one, once.
     fn run_once(&mut self, description: Description, plan: &Plan, frame: &mut Frame) -> Result<Ran> {
         let start = Instant::now();
-        let mut descriptors = self.descriptors.take().unwrap_or_else(|| self.gpu.descriptor_arena("passes"));
-        descriptors.reset();
+        let mut descriptors = self.descriptors.take().unwrap_or_else(|| self.gpu.descriptor_cache("passes"));
+        descriptors.begin_frame();
         let mut prepared = self.ready(description, plan, frame, descriptors)?;
         let readying = start.elapsed();
         let ran = self.record_and_wait(&mut prepared)?;
@@ -240,7 +243,7 @@ impl<'g> Executor<'g> {
         description: Description,
         plan: &Plan,
         frame: &mut Frame<'f>,
-        mut descriptors: DescriptorArena,
+        mut descriptors: DescriptorCache,
     ) -> Result<Prepared<'f>> {
         let mut work: Vec<Option<Work>> = frame.work.by_ref().take(description.passes.len()).map(Some).collect();
 
@@ -253,36 +256,41 @@ impl<'g> Executor<'g> {
             Step::Pass(PassId(pass)) => work[pass as usize].as_ref(),
             Step::ReadBack(_) => None,
         });
-        let wanted: Vec<Wanted> = planned.flat_map(Work::pipelines).collect();
+        let mut wanted = Vec::with_capacity(plan.steps.len());
+        planned.for_each(|work| work.pipelines(&mut wanted));
         let mut pipelines = self.pipelines.all(self.gpu, &wanted)?.into_iter();
 
         // 3. Descriptor sets and barriers.
         let mut steps = Vec::with_capacity(plan.steps.len());
+        let mut programs = Vec::with_capacity(plan.steps.len());
+        let mut barriers = Batches::default();
+        let mut sets = Sets { gpu: self.gpu, memory: &memory, arena, cache: &mut descriptors, contents: Vec::new() };
         for step in &plan.steps {
             let task = match step.work {
                 Step::Pass(PassId(pass)) => {
                     let Some(work) = work[pass as usize].take() else { continue };
-                    let name = &description.passes[pass as usize].name;
-                    let programs = self.prepare_pass(name, &work, &mut pipelines, &memory, arena, &mut descriptors)?;
-                    Task::Pass { pass, work, programs }
+                    let first = programs.len();
+                    sets.ready(&description.passes[pass as usize].name, &work, &mut pipelines, &mut programs)?;
+                    Task::Pass { pass, work, programs: first..programs.len() }
                 }
                 Step::ReadBack(root) => Task::ReadBack(root),
             };
-            steps.push(ReadyStep { barriers: run::batch(&step.barriers, &memory), task });
+            steps.push(task);
+            run::batch(&mut barriers, &step.barriers, &memory);
         }
+        run::batch(&mut barriers, &plan.finally, &memory);
         let timer = if self.instruments { Timer::new(self.gpu, steps.len())? } else { Timer::default() };
         let queries = self.queries(plan, &description, frame)?;
         let first_pass = frame.first_pass;
         frame.first_pass += description.passes.len() as u32;
-        let finally = run::batch(&plan.finally, &memory);
-        let arena = frame.arena.clone();
-        Ok(Prepared { description, steps, finally, memory, descriptors, timer, queries, first_pass, _arena: arena })
+        let _arena = frame.arena.clone();
+        Ok(Prepared { description, steps, barriers, programs, memory, descriptors, timer, queries, first_pass, _arena })
     }
 
     fn record_and_wait(&mut self, prepared: &mut Prepared) -> Result<Ran> {
         // 1. Host buffers for what is read back; queries begin anew.
         let start = Instant::now();
-        let Prepared { description, steps, finally, memory, timer, queries, first_pass, .. } = prepared;
+        let Prepared { description, steps, barriers, programs, memory, timer, queries, first_pass, .. } = prepared;
         let captures = self.capture_buffers(description)?;
         timer.reset();
         queries.reset();
@@ -290,21 +298,22 @@ impl<'g> Executor<'g> {
         // 2. Commands.
         let device = self.gpu.raw();
         let mut commands = self.gpu.commands(&description.name)?;
-        let mut bound = BoundCompute::default();
+        let (mut bound, mut asked) = (BoundCompute::default(), Vec::new());
         for (index, step) in steps.iter_mut().enumerate() {
-            step.barriers.record(device, &commands);
+            barriers.record(device, &commands, index);
             if self.serialize {
                 record::full_barrier(device, &commands);
             }
             timer.mark(device, &commands, 2 * index);
-            match &mut step.task {
-                Task::Pass { pass, work, programs } => {
+            match step {
+                Task::Pass { pass, work, programs: mine } => {
                     if self.instruments {
                         commands.begin_pass(&description.passes[*pass as usize].name);
                     }
                     let whole = PassId(*first_pass + *pass);
                     queries.begin(device, &commands, whole);
-                    run::run(device, &commands, work, (programs, &mut bound), memory)?;
+                    let programs = &programs[mine.clone()];
+                    run::run(device, &commands, work, (programs, &mut bound), memory, &mut asked)?;
                     queries.end(device, &commands, whole);
                 }
                 Task::ReadBack(root) => {
@@ -319,7 +328,7 @@ impl<'g> Executor<'g> {
             }
             timer.mark(device, &commands, 2 * index + 1);
         }
-        finally.record(device, &commands);
+        barriers.record(device, &commands, steps.len());
 
         // 3. Run, and wait.
         let recording = start.elapsed();
@@ -327,9 +336,9 @@ impl<'g> Executor<'g> {
         let token = self.gpu.submit(commands)?;
         self.gpu.wait(token)?;
         let running = submitted.elapsed();
-        let name = |step: &ReadyStep| match step.task {
-            Task::Pass { pass, .. } => description.passes[pass as usize].name.clone(),
-            Task::ReadBack(root) => format!("read back {}", description.roots[root].name),
+        let name = |step: &Task| match step {
+            Task::Pass { pass, .. } => description.passes[*pass as usize].name.clone(),
+            Task::ReadBack(root) => format!("read back {}", description.roots[*root].name),
         };
         let passes = timer.times(|index| steps.get(index).map(name).unwrap_or_default())?;
         Ok(Ran { captures, passes, counts: queries.counts()?, recording, running })
@@ -347,6 +356,17 @@ impl<'g> Executor<'g> {
         })
     }
 
+    /// The last frame's buffer where the bytes fit, else a new one.
+    fn arena_of_this_frame(&mut self, bytes: &[u8]) -> Result<Option<Buffer>> {
+        match self.arena.take().filter(|buffer| !bytes.is_empty() && buffer.size() >= bytes.len() as u64) {
+            Some(buffer) => {
+                buffer.write(0, bytes)?;
+                Ok(Some(buffer))
+            }
+            None => self.arena(bytes),
+        }
+    }
+
     fn arena(&self, bytes: &[u8]) -> Result<Option<Buffer>> {
         if bytes.is_empty() {
             return Ok(None);
@@ -362,96 +382,5 @@ impl<'g> Executor<'g> {
     fn capture_buffers(&self, description: &Description) -> Result<Vec<Option<Capture>>> {
         let capture = |root| Capture::new(self.gpu, description, root);
         description.roots.iter().map(|root| root.read_back.then(|| capture(root)).transpose()).collect()
-    }
-
-    /// The next pipelines, a pass's, each with its set 0.
-    fn prepare_pass(
-        &self,
-        pass: &str,
-        work: &Work,
-        pipelines: &mut impl Iterator<Item = Pipeline>,
-        memory: &Resources,
-        arena: Option<&Buffer>,
-        sets: &mut DescriptorArena,
-    ) -> Result<Vec<Ready>> {
-        let (count, bound) = match work {
-            Work::Compute { bound, .. } => (1, bound),
-            Work::Raster { programs, bound, .. } => (programs.len(), bound),
-            Work::Fill { .. } | Work::Clear { .. } | Work::ClearDepth { .. } | Work::Zero(_) => {
-                return Ok(Vec::new());
-            }
-        };
-        let mut ready = Vec::with_capacity(count);
-        for pipeline in pipelines.take(count) {
-            let mut descriptors = Vec::new();
-            for wanted in pipeline.bindings().iter().filter(|wanted| wanted.binding.set == 0) {
-                let number = wanted.binding.binding;
-                let Some(found) = bound.iter().find(|b| b.binding.binding == number) else { continue };
-                descriptors.push((number, self.descriptor(pass, found, &wanted.binding, memory, arena)?));
-            }
-            let set = match descriptors.is_empty() {
-                true => vk::DescriptorSet::null(),
-                false => sets.set(&pipeline, 0, &descriptors)?,
-            };
-            ready.push(Ready { pipeline, set });
-        }
-        Ok(ready)
-    }
-
-    fn descriptor(
-        &self,
-        pass: &str,
-        bound: &Bound,
-        binding: &Binding,
-        memory: &Resources,
-        arena: Option<&Buffer>,
-    ) -> Result<Descriptor> {
-        let missing = || Error::invalid(format!("`{}` of pass `{pass}`", binding.name), "has no memory behind it");
-        let kind = binding.image.map_or(vk::ImageViewType::TYPE_2D, |image| image.view);
-        match &bound.what {
-            What::Data(data) => {
-                let buffer = arena.ok_or_else(missing)?.clone();
-                Ok(Descriptor::Buffer { buffer, offset: data.offset, size: data.size })
-            }
-            What::Buffer(buffer) => Ok(Descriptor::buffer(buffer)),
-            What::Image(image, sampler) => {
-                let view = image.whole().kind(kind);
-                let layout = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
-                self.image_descriptor(binding, image.clone(), view, layout, sampler)
-            }
-            What::Resource { resource, range, layout, sampler } => {
-                match (memory.0[resource.0 as usize].as_ref().ok_or_else(missing)?, *range) {
-                    (External::Image(image), Range::Image { aspects, mips, layers }) => {
-                        // A sampled depth-stencil image shows its depth.
-                        let depth = vk::ImageAspectFlags::DEPTH;
-                        let aspects = if aspects.contains(depth) { depth } else { aspects };
-                        let view = ViewInfo { kind, mips, layers, aspects, ..image.whole() };
-                        self.image_descriptor(binding, image.clone(), view, *layout, sampler)
-                    }
-                    (External::Buffer(buffer), Range::Buffer([first, end])) => {
-                        // A size that a checkpoint told may be less than the description's.
-                        let size = end.min(buffer.size()).saturating_sub(first);
-                        Ok(Descriptor::Buffer { buffer: buffer.clone(), offset: first, size })
-                    }
-                    _ => Err(missing()),
-                }
-            }
-        }
-    }
-
-    fn image_descriptor(
-        &self,
-        binding: &Binding,
-        image: Image,
-        view: ViewInfo,
-        layout: vk::ImageLayout,
-        sampler: &SamplerInfo,
-    ) -> Result<Descriptor> {
-        Ok(match binding.kind {
-            BindingKind::CombinedImageSampler => {
-                Descriptor::Sampled { image, view, layout, sampler: self.gpu.sampler(sampler)? }
-            }
-            _ => Descriptor::Image { image, view, layout },
-        })
     }
 }

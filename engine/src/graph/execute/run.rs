@@ -7,7 +7,7 @@ use crate::gpu::{Commands, ViewInfo};
 use crate::graph::description::{Access, Range, ResourceId};
 use crate::graph::pass::{Attachment, Attachments, DrawFn, Groups, Work};
 use crate::graph::plan::Barriers;
-use crate::graph::record::{self, Batch, BoundCompute, Ready, Recorder};
+use crate::graph::record::{self, Batches, BoundCompute, Ready, Recorder};
 use crate::{Error, Result};
 
 /// What a pass does.
@@ -17,17 +17,18 @@ pub(super) fn run(
     work: &mut Work,
     (programs, bound): (&[Ready], &mut BoundCompute),
     memory: &Resources,
+    asked: &mut Vec<u8>,
 ) -> Result<()> {
     match work {
         Work::Compute { push, groups, .. } => {
             let Some(ready) = programs.first() else { return Ok(()) };
             match *groups {
                 Groups::Direct(groups) => {
-                    record::dispatch(device, commands, (ready, bound), push.bytes(), groups, None)
+                    record::dispatch(device, commands, (ready, bound), push.bytes(asked), groups, None)
                 }
                 Groups::Indirect(resource, offset) => {
                     let indirect = memory.buffer(resource).map(|buffer| (buffer, offset));
-                    record::dispatch(device, commands, (ready, bound), push.bytes(), [0; 3], indirect);
+                    record::dispatch(device, commands, (ready, bound), push.bytes(asked), [0; 3], indirect);
                 }
             }
             Ok(())
@@ -111,25 +112,24 @@ fn render(
     drawn
 }
 
-/// Vulkan's barriers from the plan's.
+/// Adds Vulkan's barriers from the plan's, as a batch.
 ///
 /// Buffers' are recorded as barriers for all memory, and images' have their order repeated as one without memory. That
 /// is the same to a driver and to Vulkan, where a barrier orders all commands of its stages. Synchronisation validation
 /// takes it to order those of its own buffer or image alone, and would miss the order of others that lie in the same
 /// memory.
-pub(super) fn batch(barriers: &Barriers, memory: &Resources) -> Batch {
-    let mut batch = Batch::default();
+pub(super) fn batch(batches: &mut Batches, barriers: &Barriers, memory: &Resources) {
     let buffers = barriers.buffers.iter().map(|barrier| (barrier.from, barrier.to));
     for (from, to) in barriers.memory.iter().map(|barrier| (barrier.from, barrier.to)).chain(buffers) {
-        add_memory(&mut batch, from, to);
+        add_memory(batches, from, to);
     }
     for barrier in &barriers.images {
         let (Some(image), Some(range)) = (memory.image(barrier.resource), subresources(barrier.range)) else {
             continue;
         };
         let order = [barrier.from, barrier.to].map(|access| Access { stages: access.stages, ..Access::NONE });
-        add_memory(&mut batch, order[0], order[1]);
-        batch.images.push(
+        add_memory(batches, order[0], order[1]);
+        batches.images.push(
             vk::ImageMemoryBarrier2::default()
                 .src_stage_mask(barrier.from.stages | barrier.follows.stages)
                 .src_access_mask(barrier.from.mask | barrier.follows.mask)
@@ -143,21 +143,21 @@ pub(super) fn batch(barriers: &Barriers, memory: &Resources) -> Batch {
                 .subresource_range(range),
         );
     }
-    batch
+    batches.end();
 }
 
 /// A barrier for all memory, where no other one of the batch does as much.
-fn add_memory(batch: &mut Batch, from: Access, to: Access) {
+fn add_memory(batches: &mut Batches, from: Access, to: Access) {
     let holds = |known: &vk::MemoryBarrier2| {
         known.src_stage_mask.contains(from.stages)
             && known.src_access_mask.contains(from.mask)
             && known.dst_stage_mask.contains(to.stages)
             && known.dst_access_mask.contains(to.mask)
     };
-    if from.stages.is_empty() || to.stages.is_empty() || batch.memory.iter().any(holds) {
+    if from.stages.is_empty() || to.stages.is_empty() || batches.open_memory().iter().any(holds) {
         return;
     }
-    batch.memory.push(
+    batches.memory.push(
         vk::MemoryBarrier2::default()
             .src_stage_mask(from.stages)
             .src_access_mask(from.mask)

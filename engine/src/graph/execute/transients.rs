@@ -1,6 +1,6 @@
 //! Memory of transients, and the images and buffers in it, kept from frame to frame.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 use super::resources::{self, Resources, image_info};
 use crate::Result;
@@ -16,7 +16,7 @@ const KEPT_FRAMES: u64 = 4;
 #[derive(Default)]
 pub(super) struct Transients {
     heaps: Vec<(Requirements, Heap)>,
-    made: HashMap<Key, Made>,
+    made: FxHashMap<Key, Made>,
     frame: u64,
 }
 

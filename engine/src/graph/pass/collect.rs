@@ -14,48 +14,68 @@ use crate::shader::{Binding, BindingKind, Shader, ShaderAccess, Stage};
 pub(super) struct Collected {
     pub(super) pass: PassId,
     pub(super) name: String,
-    /// Set 0 over all shaders, with the stages that see each binding.
-    table: Vec<(Binding, vk::PipelineStageFlags2, &'static str)>,
+    shaders: Shaders,
     bound: Vec<Bound>,
     pub(super) uses: Vec<Use>,
     /// What the device counts over it.
     pub(super) counted: Vec<QueryKind>,
 }
 
-impl Collected {
-    pub(super) fn new(pass: PassId, name: String, shaders: impl Iterator<Item = &'static Shader>) -> Self {
-        let mut table: Vec<(Binding, vk::PipelineStageFlags2, &'static str)> = Vec::new();
-        for shader in shaders {
-            for binding in shader.bindings.iter().filter(|binding| binding.set == 0) {
-                match table.iter_mut().find(|(known, ..)| known.binding == binding.binding) {
-                    Some((known, stages, _)) => {
-                        *stages |= stage(shader.stage);
-                        if known.access != binding.access {
-                            known.access = ShaderAccess::ReadWrite;
-                        }
-                    }
-                    None => table.push((*binding, stage(shader.stage), shader.file)),
-                }
-            }
+/// Shaders of a pass.
+pub(super) enum Shaders {
+    One(&'static Shader),
+    Several(Vec<&'static Shader>),
+}
+
+impl Shaders {
+    fn all(&self) -> &[&'static Shader] {
+        match self {
+            Self::One(shader) => std::slice::from_ref(shader),
+            Self::Several(shaders) => shaders,
         }
-        Self { pass, name, table, bound: Vec::new(), uses: Vec::new(), counted: Vec::new() }
     }
 
-    /// The binding as this pass's shaders have it, with the stages that see it. A slot that none of them has is a
-    /// mistake.
+    /// Bindings of set 0, each once: as its first shader has it, with that shader's file.
+    fn bindings(&self) -> impl Iterator<Item = (&'static Binding, &'static str)> {
+        let of = |shader: &&'static Shader| shader.bindings.iter().filter(|binding| binding.set == 0);
+        self.all().iter().enumerate().flat_map(move |(index, shader)| {
+            let before = &self.all()[..index];
+            let is_new = move |binding: &&Binding| !before.iter().flat_map(of).any(|b| b.binding == binding.binding);
+            of(shader).filter(is_new).map(|binding| (binding, shader.file))
+        })
+    }
+}
+
+impl Collected {
+    pub(super) fn new(pass: PassId, name: String, shaders: Shaders) -> Self {
+        Self { pass, name, shaders, bound: Vec::new(), uses: Vec::new(), counted: Vec::new() }
+    }
+
+    /// The binding as this pass's shaders have it together, with the stages that see it. A slot that none of them has is
+    /// a mistake.
     pub(super) fn find(&self, graph: &mut Graph, slot: &Binding) -> Option<(Binding, vk::PipelineStageFlags2)> {
-        let found = self.table.iter().find(|(b, ..)| slot.set == 0 && b.binding == slot.binding && b.name == slot.name);
+        let mut found: Option<(Binding, vk::PipelineStageFlags2)> = None;
+        for shader in self.shaders.all() {
+            let same = |binding: &&Binding| binding.set == 0 && binding.binding == slot.binding;
+            let Some(binding) = shader.bindings.iter().find(same) else { continue };
+            let (known, stages) = found.get_or_insert((*binding, vk::PipelineStageFlags2::NONE));
+            *stages |= stage(shader.stage);
+            if known.access != binding.access {
+                known.access = ShaderAccess::ReadWrite;
+            }
+        }
+        let found = found.filter(|(binding, _)| slot.set == 0 && binding.name == slot.name);
         if found.is_none() {
-            let known: Vec<_> = self.table.iter().map(|(b, ..)| format!("`{}`", b.name)).collect();
+            let known: Vec<_> = self.shaders.bindings().map(|(b, _)| format!("`{}`", b.name)).collect();
             let wrong = "is bound, but the pass's shaders do not have it".into();
             graph.mistake(Some(&self.name), Some(slot.name), wrong, known.join(", "));
         }
-        found.map(|&(binding, stages, _)| (binding, stages))
+        found
     }
 
     pub(super) fn constant(&mut self, graph: &mut Graph, slot: &Binding, what: What) {
         if let Some((binding, _)) = self.find(graph, slot) {
-            self.bound.push(Bound { binding, what });
+            self.bound.push(Bound { binding: binding.binding, what });
         }
     }
 
@@ -73,7 +93,7 @@ impl Collected {
         self.uses.push(used);
         let what =
             What::Resource { resource: handle.resource(), range: handle.range(), layout: access.layout, sampler };
-        self.bound.push(Bound { binding, what });
+        self.bound.push(Bound { binding: binding.binding, what });
     }
 
     pub(super) fn write<H: Handle>(&mut self, graph: &mut Graph, slot: &Binding, handle: H) -> H {
@@ -95,13 +115,13 @@ impl Collected {
         };
         let (used, next) = graph.written(self.pass, binding.name, handle, reads, access);
         self.uses.push(used);
-        self.bound.push(Bound { binding, what });
+        self.bound.push(Bound { binding: binding.binding, what });
         next
     }
 
     pub(super) fn finish(self, graph: &mut Graph) -> (String, Vec<Use>, Vec<Bound>) {
-        for (binding, _, file) in &self.table {
-            let count = self.bound.iter().filter(|bound| bound.binding.binding == binding.binding).count();
+        for (binding, file) in self.shaders.bindings() {
+            let count = self.bound.iter().filter(|bound| bound.binding == binding.binding).count();
             if count != 1 {
                 let wrong = format!("is bound {count} times; {file} has it");
                 graph.mistake(Some(&self.name), Some(binding.name), wrong, "once".into());

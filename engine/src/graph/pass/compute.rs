@@ -1,7 +1,7 @@
 //! Compute passes.
 
 use super::bind::{Fits, Unchanging, binding_methods};
-use super::collect::Collected;
+use super::collect::{Collected, Shaders};
 use super::{Groups, Push, What, Work};
 use crate::gpu::{self, Image, SamplerInfo};
 use crate::graph::builder::{Data, Graph};
@@ -21,7 +21,7 @@ pub struct ComputePass<'g, 'f> {
 
 impl<'g, 'f> ComputePass<'g, 'f> {
     pub(in crate::graph) fn new(graph: &'g mut Graph<'f>, name: String, shader: &'static Shader) -> Self {
-        let collected = Collected::new(graph.next_pass(), name, [shader].into_iter());
+        let collected = Collected::new(graph.next_pass(), name, Shaders::One(shader));
         Self { graph, collected, shader, constants: Vec::new(), push: Push::Bytes(Vec::new()) }
     }
 
@@ -37,7 +37,7 @@ impl<'g, 'f> ComputePass<'g, 'f> {
     /// [`crate::graph::Prepared`] frame.
     pub fn push_with<T: bytemuck::Pod>(&mut self, mut value: impl FnMut() -> T + 'f) -> &mut Self {
         let write = move |bytes: &mut [u8]| bytes.copy_from_slice(bytemuck::bytes_of(&value()));
-        self.push = Push::Asked(vec![0; size_of::<T>()], Box::new(write));
+        self.push = Push::Asked(size_of::<T>(), Box::new(write));
         self
     }
 

@@ -16,7 +16,7 @@ use super::description::{Range, ResourceId};
 use super::record::Recorder;
 use crate::Result;
 use crate::gpu::{self, Buffer, Image, SamplerInfo};
-use crate::shader::{Binding, Program, Shader, Targets, Wanted};
+use crate::shader::{Program, Shader, Targets, Wanted};
 
 /// What a pass does, besides what the description says.
 pub(in crate::graph) enum Work<'f> {
@@ -54,14 +54,14 @@ pub(in crate::graph) enum Work<'f> {
 }
 
 impl Work<'_> {
-    /// What its pipelines are made from.
-    pub(in crate::graph) fn pipelines(&self) -> Vec<Wanted<'_>> {
+    /// Adds what its pipelines are made from.
+    pub(in crate::graph) fn pipelines<'a>(&'a self, wanted: &mut Vec<Wanted<'a>>) {
         match self {
-            Self::Compute { shader, constants, .. } => vec![Wanted::Compute(shader, constants)],
+            Self::Compute { shader, constants, .. } => wanted.push(Wanted::Compute(shader, constants)),
             Self::Raster { programs, targets, .. } => {
-                programs.iter().map(|program| Wanted::Graphics(program, targets)).collect()
+                wanted.extend(programs.iter().map(|program| Wanted::Graphics(program, targets)));
             }
-            Self::Fill { .. } | Self::Clear { .. } | Self::ClearDepth { .. } | Self::Zero(_) => Vec::new(),
+            Self::Fill { .. } | Self::Clear { .. } | Self::ClearDepth { .. } | Self::Zero(_) => {}
         }
     }
 }
@@ -71,8 +71,8 @@ pub(in crate::graph) type DrawFn<'f> = Box<dyn FnMut(&mut Recorder) -> Result<()
 /// Push constants of a dispatch.
 pub(in crate::graph) enum Push<'f> {
     Bytes(Vec<u8>),
-    /// Written into the bytes each time the pass is recorded.
-    Asked(Vec<u8>, AskFn<'f>),
+    /// So many bytes, written each time the pass is recorded.
+    Asked(usize, AskFn<'f>),
 }
 
 pub(in crate::graph) type AskFn<'f> = Box<dyn FnMut(&mut [u8]) + 'f>;
@@ -80,16 +80,20 @@ pub(in crate::graph) type AskFn<'f> = Box<dyn FnMut(&mut [u8]) + 'f>;
 impl Push<'_> {
     pub(in crate::graph) fn size(&self) -> usize {
         match self {
-            Self::Bytes(bytes) | Self::Asked(bytes, _) => bytes.len(),
+            Self::Bytes(bytes) => bytes.len(),
+            Self::Asked(size, _) => *size,
         }
     }
 
-    pub(in crate::graph) fn bytes(&mut self) -> &[u8] {
+    /// `asked`: room for what is asked for.
+    pub(in crate::graph) fn bytes<'a>(&'a mut self, asked: &'a mut Vec<u8>) -> &'a [u8] {
         match self {
             Self::Bytes(bytes) => bytes,
-            Self::Asked(bytes, ask) => {
-                ask(bytes);
-                bytes
+            Self::Asked(size, ask) => {
+                asked.clear();
+                asked.resize(*size, 0);
+                ask(asked);
+                asked
             }
         }
     }
@@ -103,7 +107,8 @@ pub(in crate::graph) enum Groups {
 
 /// What lies behind a binding of set 0.
 pub(in crate::graph) struct Bound {
-    pub(in crate::graph) binding: Binding,
+    /// Its number.
+    pub(in crate::graph) binding: u32,
     pub(in crate::graph) what: What,
 }
 

@@ -3,7 +3,7 @@
 use ash::vk;
 
 use super::bind::{Fits, Unchanging, binding_methods};
-use super::collect::Collected;
+use super::collect::{Collected, Shaders};
 use super::{Attachment, Attachments, Load, What, Work};
 use crate::Result;
 use crate::gpu::{Image, QueryKind, SamplerInfo};
@@ -25,7 +25,8 @@ pub struct RasterPass<'g, 'f> {
 
 impl<'g, 'f> RasterPass<'g, 'f> {
     pub(in crate::graph) fn new(graph: &'g mut Graph<'f>, name: String, programs: Vec<Program>) -> Self {
-        let collected = Collected::new(graph.next_pass(), name, programs.iter().flat_map(Program::shaders));
+        let shaders = Shaders::Several(programs.iter().flat_map(Program::shaders).collect());
+        let collected = Collected::new(graph.next_pass(), name, shaders);
         let targets = Targets { samples: 1, ..Targets::default() };
         Self { graph, collected, programs, targets, attachments: Attachments::default() }
     }

@@ -22,8 +22,6 @@ mod usage;
 mod validate;
 mod versions;
 
-use std::collections::HashMap;
-
 pub use apart::{Apart, apart};
 pub use device::{DeviceModel, Requirements, Usage};
 pub use output::{
@@ -36,6 +34,7 @@ pub use segments::{Segment, segment};
 pub(super) use versions::held_at_the_end;
 
 use ash::vk::ImageLayout as Layout;
+use rustc_hash::FxHashMap;
 
 use self::barriers::Context;
 use self::dependencies::{Dependencies, events};
@@ -160,7 +159,7 @@ fn requirements(
     let mut errors = Vec::new();
     let mut all = Vec::with_capacity(usages.len());
     // A device is asked once for resources that are alike.
-    let mut known: HashMap<(&Shape, Usage), Requirements> = HashMap::new();
+    let mut known: FxHashMap<(&Shape, Usage), Requirements> = FxHashMap::default();
     for (resource, usage) in description.resources.iter().zip(usages) {
         let usage = usage.filter(|_| resource.origin == Origin::Transient);
         let needs = usage.map(|usage| {

@@ -294,7 +294,7 @@ fn used_report(description: &Description, used: &Use) -> UseReport {
     let version = &description.versions[used.version.0 as usize];
     let resource = &description.resources[version.resource.0 as usize];
     UseReport {
-        slot: used.slot.clone(),
+        slot: used.slot.to_string(),
         resource: resource.name.clone(),
         part: part(&resource.shape, &version.range),
         version: used.version.0,

@@ -1,31 +1,13 @@
 //! Names, shapes, ids and ranges.
 
-use std::collections::{HashMap, HashSet};
-use std::hash::{BuildHasherDefault, Hasher};
+use std::collections::HashMap;
 
 use ash::vk;
+use rustc_hash::FxHashSet;
 
 use super::{Errors, Place};
 use crate::graph::description::{Origin, Range, Resource, ResourceId, Shape, Source, Version, VersionId};
 use crate::graph::errors::ErrorKind;
-
-/// A fast hash of names: by eight bytes, each multiplied in.
-#[derive(Default)]
-struct NameHasher(u64);
-
-impl Hasher for NameHasher {
-    fn write(&mut self, bytes: &[u8]) {
-        for part in bytes.chunks(8) {
-            let mut word = [0; 8];
-            word[..part.len()].copy_from_slice(part);
-            self.0 = (self.0.rotate_left(5) ^ u64::from_le_bytes(word)).wrapping_mul(0x517c_c1b7_2722_0a95);
-        }
-    }
-
-    fn finish(&self) -> u64 {
-        self.0
-    }
-}
 
 /// Names are unique among passes, among resources and among read-backs.
 pub(super) fn names(errors: &mut Errors) {
@@ -37,7 +19,7 @@ pub(super) fn names(errors: &mut Errors) {
         ("captures", read_backs.collect()),
     ];
     for (what, names) in lists {
-        let mut known: HashSet<&String, BuildHasherDefault<NameHasher>> = HashSet::default();
+        let mut known: FxHashSet<&String> = FxHashSet::default();
         known.reserve(names.len());
         if names.iter().all(|name| known.insert(name)) {
             continue;

@@ -6,9 +6,8 @@ mod order;
 mod uses;
 mod versions;
 
-use std::collections::HashMap;
-
 use ash::vk::ImageUsageFlags;
+use rustc_hash::FxHashMap;
 
 use super::DeviceModel;
 use super::dependencies::Dependencies;
@@ -56,7 +55,7 @@ pub(super) fn validate(
 
 /// By resource: what the device allows its format to be used for; each format is asked for once.
 fn allowed(description: &Description, device: &dyn DeviceModel) -> Vec<ImageUsageFlags> {
-    let mut known = HashMap::new();
+    let mut known = FxHashMap::default();
     let resources = description.resources.iter();
     let usages = resources.map(|resource| match &resource.shape {
         Shape::Image(shape) => *known.entry(shape.format).or_insert_with(|| device.image_usages(shape.format)),

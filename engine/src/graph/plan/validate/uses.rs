@@ -110,7 +110,7 @@ fn image(
 }
 
 fn buffer(errors: &mut Errors, place: Place, used: &Use) {
-    kinds(errors, place, used, |kind| kind.on().1, "a buffer");
+    let _ = kinds(errors, place, used, |kind| kind.on().1, "a buffer");
 }
 
 /// What the mask asks for, where the kind of resource allows it.
@@ -118,17 +118,17 @@ fn kinds(
     errors: &mut Errors,
     place: Place,
     used: &Use,
-    fits: impl Fn(&Kind) -> bool,
+    fits: fn(&Kind) -> bool,
     what: &str,
-) -> Vec<&'static Kind> {
-    let allowed: Vec<_> = KINDS.iter().filter(|kind| fits(kind)).collect();
-    let all = allowed.iter().fold(Mask::NONE, |all, kind| all | kind.mask);
-    let odd = used.access.mask & !all;
-    if !odd.is_empty() || used.access.mask.is_empty() {
+) -> impl Iterator<Item = &'static Kind> + use<> {
+    let mask = used.access.mask;
+    let all = KINDS.iter().filter(|kind| fits(kind)).fold(Mask::NONE, |all, kind| all | kind.mask);
+    let odd = mask & !all;
+    if !odd.is_empty() || mask.is_empty() {
         let wrong = if odd.is_empty() { "uses nothing of".into() } else { format!("{odd:?} on") };
         errors.add(ErrorKind::WrongUsage, place, format!("{wrong} {what}"), format!("allowed are {all:?}"));
     }
-    allowed.into_iter().filter(|kind| used.access.mask.contains(kind.mask)).collect()
+    KINDS.iter().filter(move |kind| (mask & all).contains(kind.mask))
 }
 
 /// Each access has a stage that can do it.

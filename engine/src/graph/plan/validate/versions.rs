@@ -51,7 +51,7 @@ pub(super) fn forks(errors: &mut Errors, versions: &Versions) {
                 let pass = &description.passes[pass.0 as usize];
                 let made = Some(VersionId(index as u32));
                 let used = pass.uses.iter().find(|used| used.makes == made);
-                let place = Place { pass: Some(pass), slot: used.map(|used| used.slot.as_str()), ..place };
+                let place = Place { pass: Some(pass), slot: used.map(|used| &*used.slot), ..place };
                 if again {
                     errors.add(ErrorKind::BadFork, place, "writes over what one unordered writer wrote", allowed);
                 }

@@ -1,0 +1,105 @@
+//! The descriptor sets of passes.
+
+use ash::vk;
+
+use super::resources::Resources;
+use crate::gpu::{Buffer, Descriptor, DescriptorCache, Gpu, Image, Pipeline, SamplerInfo, ViewInfo};
+use crate::graph::builder::External;
+use crate::graph::description::Range;
+use crate::graph::pass::{Bound, What, Work};
+use crate::graph::record::Ready;
+use crate::shader::{Binding, BindingKind};
+use crate::{Error, Result};
+
+/// What sets are made from.
+pub(super) struct Sets<'a> {
+    pub(super) gpu: &'a Gpu,
+    pub(super) memory: &'a Resources,
+    /// Bytes of the frame.
+    pub(super) arena: Option<&'a Buffer>,
+    pub(super) cache: &'a mut DescriptorCache,
+    /// Of the set that is made.
+    pub(super) contents: Vec<(u32, Descriptor)>,
+}
+
+impl Sets<'_> {
+    /// The next pipelines, a pass's, each with its set 0.
+    pub(super) fn ready(
+        &mut self,
+        pass: &str,
+        work: &Work,
+        pipelines: &mut impl Iterator<Item = Pipeline>,
+        ready: &mut Vec<Ready>,
+    ) -> Result<()> {
+        let (count, bound) = match work {
+            Work::Compute { bound, .. } => (1, bound),
+            Work::Raster { programs, bound, .. } => (programs.len(), bound),
+            Work::Fill { .. } | Work::Clear { .. } | Work::ClearDepth { .. } | Work::Zero(_) => return Ok(()),
+        };
+        for pipeline in pipelines.take(count) {
+            self.contents.clear();
+            for wanted in pipeline.bindings().iter().filter(|wanted| wanted.binding.set == 0) {
+                let number = wanted.binding.binding;
+                let Some(found) = bound.iter().find(|bound| bound.binding == number) else { continue };
+                let descriptor = self.descriptor(pass, found, &wanted.binding)?;
+                self.contents.push((number, descriptor));
+            }
+            let set = match self.contents.is_empty() {
+                true => vk::DescriptorSet::null(),
+                false => self.cache.set(&pipeline, 0, &self.contents)?,
+            };
+            ready.push(Ready { pipeline, set });
+        }
+        Ok(())
+    }
+
+    fn descriptor(&self, pass: &str, bound: &Bound, binding: &Binding) -> Result<Descriptor> {
+        let missing = || Error::invalid(format!("`{}` of pass `{pass}`", binding.name), "has no memory behind it");
+        let kind = binding.image.map_or(vk::ImageViewType::TYPE_2D, |image| image.view);
+        match &bound.what {
+            What::Data(data) => {
+                let buffer = self.arena.ok_or_else(missing)?.clone();
+                Ok(Descriptor::Buffer { buffer, offset: data.offset, size: data.size })
+            }
+            What::Buffer(buffer) => Ok(Descriptor::buffer(buffer)),
+            What::Image(image, sampler) => {
+                let view = image.whole().kind(kind);
+                let layout = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
+                self.image(binding, image.clone(), view, layout, sampler)
+            }
+            What::Resource { resource, range, layout, sampler } => {
+                match (self.memory.0[resource.0 as usize].as_ref().ok_or_else(missing)?, *range) {
+                    (External::Image(image), Range::Image { aspects, mips, layers }) => {
+                        // A sampled depth-stencil image shows its depth.
+                        let depth = vk::ImageAspectFlags::DEPTH;
+                        let aspects = if aspects.contains(depth) { depth } else { aspects };
+                        let view = ViewInfo { kind, mips, layers, aspects, ..image.whole() };
+                        self.image(binding, image.clone(), view, *layout, sampler)
+                    }
+                    (External::Buffer(buffer), Range::Buffer([first, end])) => {
+                        // A size that a checkpoint told may be less than the description's.
+                        let size = end.min(buffer.size()).saturating_sub(first);
+                        Ok(Descriptor::Buffer { buffer: buffer.clone(), offset: first, size })
+                    }
+                    _ => Err(missing()),
+                }
+            }
+        }
+    }
+
+    fn image(
+        &self,
+        binding: &Binding,
+        image: Image,
+        view: ViewInfo,
+        layout: vk::ImageLayout,
+        sampler: &SamplerInfo,
+    ) -> Result<Descriptor> {
+        Ok(match binding.kind {
+            BindingKind::CombinedImageSampler => {
+                Descriptor::Sampled { image, view, layout, sampler: self.gpu.sampler(sampler)? }
+            }
+            _ => Descriptor::Image { image, view, layout },
+        })
+    }
+}
