@@ -197,6 +197,11 @@ impl<'f> Graph<'f> {
         Err(GraphErrors { graph: self.description.name.clone(), errors })
     }
 
+    /// Whether the typed layer saw nothing wrong.
+    pub(super) fn is_without_mistakes(&self) -> bool {
+        self.mistakes.is_empty()
+    }
+
     /// Takes an image apart into its array layers, which can then be written in any order.
     pub fn split_layers(&mut self, image: ImageHandle) -> Vec<ImageHandle> {
         let [first, end] = image.layers();

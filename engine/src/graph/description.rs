@@ -9,7 +9,7 @@ use std::borrow::Cow;
 use ash::vk;
 
 /// A whole frame, as described by its techniques.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Description {
     /// For messages and reports.
     pub name: String,
@@ -23,6 +23,19 @@ pub struct Description {
     pub roots: Vec<Root>,
     /// Where the host reads something before it goes on, in order: they take the frame apart into segments.
     pub checkpoints: Vec<Checkpoint>,
+}
+
+impl Description {
+    /// Takes everything out, and keeps the room.
+    pub(super) fn clear(&mut self) {
+        let Self { name, resources, versions, passes, roots, checkpoints } = self;
+        name.clear();
+        resources.clear();
+        versions.clear();
+        passes.clear();
+        roots.clear();
+        checkpoints.clear();
+    }
 }
 
 /// Where the host reads a root, or counts of passes, before anything that was recorded later runs.

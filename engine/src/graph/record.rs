@@ -10,6 +10,7 @@ use std::ops::Range;
 
 use ash::vk;
 
+use super::plan::{Plan, Statistics};
 use crate::gpu::{Buffer, Commands, DescriptorSet, Image, Pipeline, QueryPool};
 
 /// Records the draws of one pass. Given to the pass's closure.
@@ -136,6 +137,13 @@ pub(super) struct Batches {
 }
 
 impl Batches {
+    /// With room for the barriers of a plan.
+    pub(super) fn with_capacity(plan: &Plan) -> Self {
+        let Statistics { memory_barriers, buffer_barriers, image_barriers, .. } = plan.statistics;
+        let memory = Vec::with_capacity(memory_barriers + buffer_barriers + image_barriers);
+        Self { memory, images: Vec::with_capacity(image_barriers), ends: Vec::with_capacity(plan.steps.len() + 1) }
+    }
+
     /// What was added since the last batch is one.
     pub(super) fn end(&mut self) {
         self.ends.push([self.memory.len(), self.images.len()]);

@@ -2,6 +2,7 @@
 
 mod capture;
 mod histories;
+mod plans;
 mod queries;
 mod resources;
 mod run;
@@ -20,6 +21,7 @@ pub use queries::{Counts, PassCount};
 pub use timer::PassTime;
 
 use self::histories::Histories;
+use self::plans::Plans;
 use self::queries::Queries;
 use self::resources::Resources;
 use self::sets::Sets;
@@ -46,6 +48,7 @@ pub struct Executor<'g> {
     arena: Option<Buffer>,
     transients: Transients,
     histories: Histories,
+    plans: Plans,
     serialize: bool,
     instruments: bool,
 }
@@ -147,6 +150,7 @@ impl<'g> Executor<'g> {
             arena: None,
             transients: Transients::default(),
             histories: Histories::default(),
+            plans: Plans::default(),
             serialize: false,
             instruments: true,
         }
@@ -154,7 +158,8 @@ impl<'g> Executor<'g> {
 
     /// An empty frame that knows what the last one left ([`Graph::history_image`]).
     pub fn graph(&self, name: &str) -> Graph<'g> {
-        let mut graph = Graph::new(name, self.gpu.caps());
+        let mut graph = Graph::new("", self.gpu.caps());
+        graph.description = self.plans.description(name);
         graph.kept = self.histories.kept.clone();
         graph
     }
@@ -188,8 +193,9 @@ impl<'g> Executor<'g> {
         let arena = self.arena_of_this_frame(&arena.bytes)?;
         let mut frame = Frame { work: work.into_iter(), memory: Resources(external), arena, queries, first_pass: 0 };
         if description.checkpoints.is_empty() {
-            let ran = self.run_once(description, plan, &mut frame)?;
+            let (ran, description) = self.run_once(description, plan, &mut frame)?;
             self.histories.keep(histories, plan, &frame.memory.0);
+            self.plans.executed(plan, description);
             self.arena = frame.arena;
             return Ok(ran.into());
         }
@@ -225,8 +231,8 @@ impl<'g> Executor<'g> {
         Ok(self.record_and_wait(prepared)?.into())
     }
 
-    /// Runs a frame, or a segment of one, once.
-    fn run_once(&mut self, description: Description, plan: &Plan, frame: &mut Frame) -> Result<Ran> {
+    /// Runs a frame, or a segment of one, once; gives the description back.
+    fn run_once(&mut self, description: Description, plan: &Plan, frame: &mut Frame) -> Result<(Ran, Description)> {
         let start = Instant::now();
         let mut descriptors = self.descriptors.take().unwrap_or_else(|| self.gpu.descriptor_cache("passes"));
         descriptors.begin_frame();
@@ -234,7 +240,7 @@ impl<'g> Executor<'g> {
         let readying = start.elapsed();
         let ran = self.record_and_wait(&mut prepared)?;
         (self.descriptors, frame.memory) = (Some(prepared.descriptors), prepared.memory);
-        Ok(Ran { recording: ran.recording + readying, ..ran })
+        Ok((Ran { recording: ran.recording + readying, ..ran }, prepared.description))
     }
 
     /// Everything but recording.
@@ -263,7 +269,7 @@ impl<'g> Executor<'g> {
         // 3. Descriptor sets and barriers.
         let mut steps = Vec::with_capacity(plan.steps.len());
         let mut programs = Vec::with_capacity(plan.steps.len());
-        let mut barriers = Batches::default();
+        let mut barriers = Batches::with_capacity(plan);
         let mut sets = Sets { gpu: self.gpu, memory: &memory, arena, cache: &mut descriptors, contents: Vec::new() };
         for step in &plan.steps {
             let task = match step.work {
@@ -334,6 +340,7 @@ impl<'g> Executor<'g> {
         let recording = start.elapsed();
         let submitted = Instant::now();
         let token = self.gpu.submit(commands)?;
+        captures.iter().flatten().for_each(Capture::prefault);
         self.gpu.wait(token)?;
         let running = submitted.elapsed();
         let name = |step: &Task| match step {

@@ -28,7 +28,7 @@ impl Executor<'_> {
             }
 
             // 2. Run it.
-            let ran = self.run_once(planned.description.clone(), &planned.plan, frame)?;
+            let (ran, _) = self.run_once(planned.description.clone(), &planned.plan, frame)?;
             let Ran { captures: read, passes, counts, recording, running } = ran;
             executed.passes.extend(passes);
             executed.counts.extend(counts);

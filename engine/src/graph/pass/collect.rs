@@ -48,7 +48,10 @@ impl Shaders {
 
 impl Collected {
     pub(super) fn new(pass: PassId, name: String, shaders: Shaders) -> Self {
-        Self { pass, name, shaders, bound: Vec::new(), uses: Vec::new(), counted: Vec::new() }
+        // Most bind all that their first shader has.
+        let room = shaders.all().first().map_or(0, |shader| shader.bindings.len());
+        let (bound, uses) = (Vec::with_capacity(room), Vec::with_capacity(room));
+        Self { pass, name, shaders, bound, uses, counted: Vec::new() }
     }
 
     /// The binding as this pass's shaders have it together, with the stages that see it. A slot that none of them has is

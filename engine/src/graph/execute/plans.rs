@@ -1,0 +1,66 @@
+//! Plans of the last frames: a frame that is described as one of them was takes its plan.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::Executor;
+use crate::graph::builder::Graph;
+use crate::graph::description::Description;
+use crate::graph::errors::GraphErrors;
+use crate::graph::plan::Plan;
+
+/// How many are kept. Histories take turns, and with them the descriptions of frames that are alike.
+const KEPT: usize = 4;
+
+/// Plans with what they were made for.
+#[derive(Default)]
+pub(super) struct Plans {
+    /// The one used last comes last.
+    known: Vec<(Description, Arc<Plan>)>,
+    /// Given, and not executed yet.
+    given: Option<Arc<Plan>>,
+    /// Lists to describe the next frame in.
+    spare: Mutex<Description>,
+}
+
+impl Plans {
+    /// An empty description.
+    pub(super) fn description(&self, name: &str) -> Description {
+        let spare = std::mem::take(&mut *self.spare.lock().unwrap_or_else(PoisonError::into_inner));
+        Description { name: name.into(), ..spare }
+    }
+
+    /// A frame was executed by `plan`.
+    pub(super) fn executed(&mut self, plan: &Plan, mut description: Description) {
+        let is_plan = |given: &mut Arc<Plan>| std::ptr::eq(Arc::as_ptr(given), plan);
+        if let Some(plan) = self.given.take_if(is_plan) {
+            self.known.push((description, plan));
+            if self.known.len() <= KEPT {
+                return;
+            }
+            description = self.known.remove(0).0;
+        }
+        description.clear();
+        self.spare = Mutex::new(description);
+    }
+}
+
+impl Executor<'_> {
+    /// Plans a frame as [`Graph::compile`] does. A frame that is described as one of the last ones was gets the same
+    /// plan again, which takes a fraction of the time; what its passes do and bind may be different.
+    ///
+    /// # Errors
+    /// As [`Graph::compile`].
+    pub fn plan(&mut self, graph: &Graph) -> Result<Arc<Plan>, GraphErrors> {
+        let Plans { known, given, .. } = &mut self.plans;
+        let same = |(described, _): &(Description, _)| *described == graph.description;
+        if graph.is_without_mistakes()
+            && let Some(found) = known.iter().rposition(same)
+        {
+            known[found..].rotate_left(1);
+            return Ok(known[known.len() - 1].1.clone());
+        }
+        let plan = Arc::new(graph.compile(self.gpu)?);
+        *given = Some(plan.clone());
+        Ok(plan)
+    }
+}
