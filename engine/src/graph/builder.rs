@@ -4,17 +4,19 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use ash::vk;
+use smallvec::smallvec;
 
 use super::checkpoint::Later;
 use super::description::{
     Access, Description, ImageShape, Origin, Pass, PassId, Queue, Range, Resource, ResourceId, Root, Shape, Source,
-    Use, Version, VersionId,
+    Use, Uses, Version, VersionId,
 };
 use super::errors::{ErrorKind, GraphError, GraphErrors};
 use super::execute::Asked;
 use super::handle::{BufferHandle, Handle, ImageHandle};
 use super::history::{Declared, KeptHistories};
-use super::pass::{ComputePass, RasterPass, Work};
+use super::name::Name;
+use super::pass::{Bound, ComputePass, RasterPass, Work};
 use super::plan::{DeviceModel, Plan, plan};
 use crate::gpu::{Buffer, Caps, Image};
 use crate::shader::{Program, Shader};
@@ -26,6 +28,8 @@ pub struct Graph<'f> {
     pub(super) description: Description,
     /// What each pass does, in the order of `description.passes`.
     pub(super) work: Vec<Work<'f>>,
+    /// What lies behind the bindings of all passes.
+    pub(super) bound: Vec<Bound>,
     /// Memory of imported resources, in the order of `description.resources`.
     pub(super) external: Vec<Option<External>>,
     /// Bytes for uniform and constant bindings of this frame.
@@ -89,6 +93,7 @@ impl<'f> Graph<'f> {
             caps,
             description: Description { name: name.into(), ..Description::default() },
             work: Vec::new(),
+            bound: Vec::new(),
             external: Vec::new(),
             arena: Arena::default(),
             mistakes: Vec::new(),
@@ -111,12 +116,12 @@ impl<'f> Graph<'f> {
     }
 
     /// A new image of this frame. Its contents are undefined.
-    pub fn image(&mut self, name: impl Into<String>, shape: ImageShape) -> ImageHandle {
+    pub fn image(&mut self, name: impl Into<Name>, shape: ImageShape) -> ImageHandle {
         self.new_image(name.into(), shape, Origin::Transient, None)
     }
 
     /// A new buffer of this frame. Its contents are undefined.
-    pub fn buffer(&mut self, name: impl Into<String>, size: u64) -> BufferHandle {
+    pub fn buffer(&mut self, name: impl Into<Name>, size: u64) -> BufferHandle {
         self.new_buffer(name.into(), size, Origin::Transient, None)
     }
 
@@ -132,13 +137,13 @@ impl<'f> Graph<'f> {
             samples: info.samples,
         };
         let external = External::Image(image.clone());
-        self.new_image(image.name().into(), shape, Origin::Imported { before, after }, Some(external))
+        self.new_image(image.name().to_owned().into(), shape, Origin::Imported { before, after }, Some(external))
     }
 
     /// A buffer that outlives the frame; as [`Graph::import_image`].
     pub fn import_buffer(&mut self, buffer: &Buffer, before: Access, after: Option<Access>) -> BufferHandle {
         let external = External::Buffer(buffer.clone());
-        self.new_buffer(buffer.name().into(), buffer.size(), Origin::Imported { before, after }, Some(external))
+        self.new_buffer(buffer.name().to_owned().into(), buffer.size(), Origin::Imported { before, after }, Some(external))
     }
 
     /// Copies values into the frame's arena, for `constant` bindings of its passes.
@@ -147,36 +152,36 @@ impl<'f> Graph<'f> {
     }
 
     /// A compute pass of one dispatch. Its name is unique in the frame.
-    pub fn compute(&mut self, name: impl Into<String>, shader: &'static Shader) -> ComputePass<'_, 'f> {
+    pub fn compute(&mut self, name: impl Into<Name>, shader: &'static Shader) -> ComputePass<'_, 'f> {
         ComputePass::new(self, name.into(), shader)
     }
 
     /// A pass of draws with these programs. Its name is unique in the frame.
-    pub fn raster(&mut self, name: impl Into<String>, programs: Vec<Program>) -> RasterPass<'_, 'f> {
+    pub fn raster(&mut self, name: impl Into<Name>, programs: Vec<Program>) -> RasterPass<'_, 'f> {
         RasterPass::new(self, name.into(), programs)
     }
 
     /// Fills a buffer with a 32-bit value.
-    pub fn fill(&mut self, name: impl Into<String>, buffer: BufferHandle, value: u32) -> BufferHandle {
+    pub fn fill(&mut self, name: impl Into<Name>, buffer: BufferHandle, value: u32) -> BufferHandle {
         let pass = self.next_pass();
         let (used, next) = self.written(pass, "destination", buffer, false, Access::transfer_write());
         self.push_pass(
             name.into(),
             Queue::Transfer,
-            vec![used],
+            smallvec![used],
             Work::Fill { resource: next.resource, range: next.range, value },
         );
         next
     }
 
     /// Clears a colour image.
-    pub fn clear(&mut self, name: impl Into<String>, image: ImageHandle, value: vk::ClearColorValue) -> ImageHandle {
+    pub fn clear(&mut self, name: impl Into<Name>, image: ImageHandle, value: vk::ClearColorValue) -> ImageHandle {
         let pass = self.next_pass();
         let (used, next) = self.written(pass, "destination", image, false, Access::transfer_write());
         self.push_pass(
             name.into(),
             Queue::Graphics,
-            vec![used],
+            smallvec![used],
             Work::Clear { resource: next.resource, range: next.range, value },
         );
         next
@@ -271,7 +276,7 @@ impl<'f> Graph<'f> {
 
     pub(super) fn new_image(
         &mut self,
-        name: String,
+        name: Name,
         shape: ImageShape,
         origin: Origin,
         external: Option<External>,
@@ -283,7 +288,7 @@ impl<'f> Graph<'f> {
 
     pub(super) fn new_buffer(
         &mut self,
-        name: String,
+        name: Name,
         size: u64,
         origin: Origin,
         external: Option<External>,
@@ -295,7 +300,7 @@ impl<'f> Graph<'f> {
 
     fn new_resource(
         &mut self,
-        name: String,
+        name: Name,
         shape: Shape,
         range: Range,
         origin: Origin,
@@ -323,7 +328,7 @@ impl<'f> Graph<'f> {
         PassId(self.description.passes.len() as u32)
     }
 
-    pub(super) fn push_pass(&mut self, name: String, queue: Queue, uses: Vec<Use>, work: Work<'f>) {
+    pub(super) fn push_pass(&mut self, name: Name, queue: Queue, uses: Uses, work: Work<'f>) {
         let counts = self.queries.last().is_some_and(|asked| asked.pass == self.next_pass());
         let side_effect = counts.then(|| "the device counts over it".into());
         self.description.passes.push(Pass { name, queue, uses, side_effect });

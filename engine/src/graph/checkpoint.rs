@@ -111,7 +111,7 @@ impl<'f> Graph<'f> {
     pub fn buffer_after<T: bytemuck::Pod>(
         &mut self,
         checkpoint: &Checkpoint<T>,
-        name: impl Into<String>,
+        name: impl Into<super::Name>,
         size: impl FnOnce(&[T]) -> u64 + 'f,
     ) -> BufferHandle {
         let buffer = self.buffer(name, UNKNOWN_SIZE);

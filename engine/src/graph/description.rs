@@ -7,6 +7,9 @@
 use std::borrow::Cow;
 
 use ash::vk;
+use smallvec::SmallVec;
+
+use super::name::Name;
 
 /// A whole frame, as described by its techniques.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -72,7 +75,7 @@ pub struct PassId(pub u32);
 #[derive(Clone, Debug, PartialEq)]
 pub struct Resource {
     /// Unique within a frame.
-    pub name: String,
+    pub name: Name,
     /// Image or buffer, with its size.
     pub shape: Shape,
     /// Where its memory comes from.
@@ -293,14 +296,17 @@ impl Source {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pass {
     /// Unique within a frame.
-    pub name: String,
+    pub name: Name,
     /// Queue it would like to run on.
     pub queue: Queue,
     /// What it reads and writes.
-    pub uses: Vec<Use>,
+    pub uses: Uses,
     /// A reason why it runs although nobody reads what it writes.
     pub side_effect: Option<String>,
 }
+
+/// Uses of a pass: most passes have few.
+pub type Uses = SmallVec<[Use; 3]>;
 
 /// Kind of queue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]

@@ -7,6 +7,7 @@
 use std::collections::HashMap;
 
 use ash::vk;
+use smallvec::smallvec;
 
 use super::builder::Graph;
 use super::description::{Access, ImageShape, Origin, Queue, Range, ResourceId, Shape, State};
@@ -81,8 +82,8 @@ impl Graph<'_> {
     pub fn history_image(&mut self, key: &str, shape: ImageShape, first: First) -> History<ImageHandle> {
         let (origins, is_first) = self.history(key, Shape::Image(shape));
         let [previous, next] = origins;
-        let mut previous = self.new_image(previous_name(key), shape, previous, None);
-        let next = self.new_image(key.into(), shape, next, None);
+        let mut previous = self.new_image(previous_name(key).into(), shape, previous, None);
+        let next = self.new_image(key.to_owned().into(), shape, next, None);
         self.declare(key, Shape::Image(shape), [previous.resource, next.resource], is_first);
         if is_first {
             let color = shape.aspects() == vk::ImageAspectFlags::COLOR;
@@ -109,8 +110,8 @@ impl Graph<'_> {
     pub fn history_buffer(&mut self, key: &str, size: u64, first: First) -> History<BufferHandle> {
         let (origins, is_first) = self.history(key, Shape::Buffer { size });
         let [previous, next] = origins;
-        let mut previous = self.new_buffer(previous_name(key), size, previous, None);
-        let next = self.new_buffer(key.into(), size, next, None);
+        let mut previous = self.new_buffer(previous_name(key).into(), size, previous, None);
+        let next = self.new_buffer(key.to_owned().into(), size, next, None);
         self.declare(key, Shape::Buffer { size }, [previous.resource, next.resource], is_first);
         if is_first {
             let (resource, range) = (previous.resource, previous.range);
@@ -154,7 +155,7 @@ impl Graph<'_> {
         let pass = self.next_pass();
         let (used, next) = self.replaced(pass, "destination", previous, false, Access::transfer_write());
         let queue = if matches!(work, Work::Fill { .. }) { Queue::Transfer } else { Queue::Graphics };
-        self.push_pass(format!("begin {key}"), queue, vec![used], work);
+        self.push_pass(format!("begin {key}").into(), queue, smallvec![used], work);
         next
     }
 

@@ -82,6 +82,6 @@ fn make(gpu: &Gpu, history: &Declared, which: &str) -> Result<External> {
             Usage::Buffer(shaders | draws | Of::TRANSFER_SRC | Of::TRANSFER_DST)
         }
     };
-    let (name, shape) = (format!("{} {which}", history.key), history.shape.clone());
+    let (name, shape) = (format!("{} {which}", history.key).into(), history.shape.clone());
     alone(gpu, &Resource { name, shape, origin: Origin::Transient }, usage)
 }

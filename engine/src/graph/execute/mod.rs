@@ -11,6 +11,7 @@ mod sets;
 mod timer;
 mod transients;
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use ash::vk;
@@ -29,7 +30,7 @@ use self::timer::Timer;
 use self::transients::Transients;
 use super::builder::Graph;
 use super::description::{Description, PassId};
-use super::pass::Work;
+use super::pass::{Bound, Work};
 use super::plan::{Plan, Segment, Work as Step};
 use super::record::{self, Batches, BoundCompute, Ready};
 use crate::gpu::{Buffer, BufferInfo, DescriptorCache, Gpu, Memory};
@@ -69,8 +70,8 @@ pub struct Prepared<'f> {
     queries: Queries,
     /// Number of its first pass in the whole frame.
     first_pass: u32,
-    /// Descriptor sets point into it.
-    _arena: Option<Buffer>,
+    /// Descriptor sets point into it, and at what is bound.
+    _kept: (Option<Buffer>, Arc<Vec<Bound>>),
 }
 
 /// One step with all that recording needs. Nearly all are passes: a box would only add a way to go.
@@ -101,6 +102,8 @@ pub struct Executed {
 struct Frame<'f> {
     /// Of passes that have not run, in recorded order.
     work: std::vec::IntoIter<Work<'f>>,
+    /// Behind the bindings of all passes.
+    bound: Arc<Vec<Bound>>,
     memory: Resources,
     arena: Option<Buffer>,
     queries: Vec<Asked>,
@@ -188,10 +191,11 @@ impl<'g> Executor<'g> {
     /// [`Error::Missing`] where a shader asks for what the device lacks; [`Error::OutOfMemory`] naming the heap;
     /// [`Error::DeviceLost`] naming the last pass that began; what a pass's closure returns.
     pub fn execute(&mut self, plan: &Plan, graph: Graph) -> Result<Executed> {
-        let Graph { description, work, mut external, arena, histories, later, queries, .. } = graph;
+        let Graph { description, work, bound, mut external, arena, histories, later, queries, .. } = graph;
         self.histories.take(self.gpu, &histories, &mut external)?;
         let arena = self.arena_of_this_frame(&arena.bytes)?;
-        let mut frame = Frame { work: work.into_iter(), memory: Resources(external), arena, queries, first_pass: 0 };
+        let (work, memory, bound) = (work.into_iter(), Resources(external), Arc::new(bound));
+        let mut frame = Frame { work, bound, memory, arena, queries, first_pass: 0 };
         if description.checkpoints.is_empty() {
             let (ran, description) = self.run_once(description, plan, &mut frame)?;
             self.histories.keep(histories, plan, &frame.memory.0);
@@ -212,13 +216,14 @@ impl<'g> Executor<'g> {
     /// As [`Executor::execute`]; [`Error::Invalid`] where the frame has histories or checkpoints: what follows from the
     /// last frame, or from what the host reads, is not known before.
     pub fn prepare<'f>(&mut self, plan: &Plan, graph: Graph<'f>) -> Result<Prepared<'f>> {
-        let Graph { description, work, external, arena, histories, queries, .. } = graph;
+        let Graph { description, work, bound, external, arena, histories, queries, .. } = graph;
         if !histories.is_empty() || !description.checkpoints.is_empty() {
             let why = "has histories or checkpoints, which change from run to run; execute it anew each time";
             return Err(Error::invalid(format!("graph `{}`", description.name), why));
         }
         let arena = self.arena(&arena.bytes)?;
-        let mut frame = Frame { work: work.into_iter(), memory: Resources(external), arena, queries, first_pass: 0 };
+        let (work, memory, bound) = (work.into_iter(), Resources(external), Arc::new(bound));
+        let mut frame = Frame { work, bound, memory, arena, queries, first_pass: 0 };
         let descriptors = self.gpu.descriptor_cache(&description.name);
         self.ready(description, plan, &mut frame, descriptors)
     }
@@ -270,7 +275,8 @@ impl<'g> Executor<'g> {
         let mut steps = Vec::with_capacity(plan.steps.len());
         let mut programs = Vec::with_capacity(plan.steps.len());
         let mut barriers = Batches::with_capacity(plan);
-        let mut sets = Sets { gpu: self.gpu, memory: &memory, arena, cache: &mut descriptors, contents: Vec::new() };
+        let (gpu, cache, contents) = (self.gpu, &mut descriptors, Vec::new());
+        let mut sets = Sets { gpu, memory: &memory, bound: &frame.bound, arena, cache, contents };
         for step in &plan.steps {
             let task = match step.work {
                 Step::Pass(PassId(pass)) => {
@@ -289,8 +295,8 @@ impl<'g> Executor<'g> {
         let queries = self.queries(plan, &description, frame)?;
         let first_pass = frame.first_pass;
         frame.first_pass += description.passes.len() as u32;
-        let _arena = frame.arena.clone();
-        Ok(Prepared { description, steps, barriers, programs, memory, descriptors, timer, queries, first_pass, _arena })
+        let _kept = (frame.arena.clone(), frame.bound.clone());
+        Ok(Prepared { description, steps, barriers, programs, memory, descriptors, timer, queries, first_pass, _kept })
     }
 
     fn record_and_wait(&mut self, prepared: &mut Prepared) -> Result<Ran> {
@@ -344,7 +350,7 @@ impl<'g> Executor<'g> {
         self.gpu.wait(token)?;
         let running = submitted.elapsed();
         let name = |step: &Task| match step {
-            Task::Pass { pass, .. } => description.passes[*pass as usize].name.clone(),
+            Task::Pass { pass, .. } => description.passes[*pass as usize].name.to_string(),
             Task::ReadBack(root) => format!("read back {}", description.roots[*root].name),
         };
         let passes = timer.times(|index| steps.get(index).map(name).unwrap_or_default())?;
@@ -359,7 +365,7 @@ impl<'g> Executor<'g> {
         Queries::new(self.gpu, &frame.queries, |PassId(pass)| {
             let here = pass.checked_sub(frame.first_pass)?;
             let runs = plan.steps.iter().any(|step| step.work == Step::Pass(PassId(here)));
-            runs.then(|| description.passes[here as usize].name.clone())
+            runs.then(|| description.passes[here as usize].name.to_string())
         })
     }
 

@@ -38,7 +38,7 @@ pub(super) fn alone(gpu: &Gpu, resource: &Resource, usage: Usage) -> Result<Exte
         (&Shape::Buffer { size }, Usage::Buffer(usage)) => {
             Ok(External::Buffer(gpu.create_buffer(&BufferInfo { name, size, usage, memory: Memory::Device })?))
         }
-        _ => Err(Error::invalid(name, format!("is used as {usage:?}, which it is not"))),
+        _ => Err(Error::invalid(name.as_str(), format!("is used as {usage:?}, which it is not"))),
     }
 }
 

@@ -15,6 +15,8 @@ use crate::{Error, Result};
 pub(super) struct Sets<'a> {
     pub(super) gpu: &'a Gpu,
     pub(super) memory: &'a Resources,
+    /// Behind the bindings of all passes.
+    pub(super) bound: &'a [Bound],
     /// Bytes of the frame.
     pub(super) arena: Option<&'a Buffer>,
     pub(super) cache: &'a mut DescriptorCache,
@@ -36,6 +38,7 @@ impl Sets<'_> {
             Work::Raster { programs, bound, .. } => (programs.len(), bound),
             Work::Fill { .. } | Work::Clear { .. } | Work::ClearDepth { .. } | Work::Zero(_) => return Ok(()),
         };
+        let bound = &self.bound[bound.clone()];
         for pipeline in pipelines.take(count) {
             self.contents.clear();
             for wanted in pipeline.bindings().iter().filter(|wanted| wanted.binding.set == 0) {

@@ -7,6 +7,7 @@ use crate::Result;
 use crate::gpu::{BufferInfo, Gpu, Heap, Memory, Requirements};
 use crate::graph::builder::External;
 use crate::graph::description::{Description, Origin, Resource, Shape};
+use crate::graph::name::Name;
 use crate::graph::plan::{Placement, Plan, Usage};
 
 /// Frames after which an object that no frame has used goes.
@@ -29,7 +30,7 @@ struct Key {
     shape: Shape,
     usage: Usage,
     /// Where messages are to name each resource.
-    name: Option<String>,
+    name: Option<Name>,
 }
 
 struct Made {

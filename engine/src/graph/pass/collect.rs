@@ -1,22 +1,26 @@
 //! What both kinds of pass collect: bindings, and the uses that follow from them.
 
+use std::ops::Range;
+
 use ash::vk;
 
 use super::{Bound, What};
 use crate::gpu::{QueryKind, SamplerInfo};
 use crate::graph::builder::Graph;
-use crate::graph::description::{Access, PassId, Use};
+use crate::graph::description::{Access, PassId, Uses};
 use crate::graph::execute::Asked;
 use crate::graph::handle::Handle;
+use crate::graph::name::Name;
 use crate::shader::{Binding, BindingKind, Shader, ShaderAccess, Stage};
 
 /// Bindings and uses that both kinds of pass collect.
 pub(super) struct Collected {
     pub(super) pass: PassId,
-    pub(super) name: String,
+    pub(super) name: Name,
     shaders: Shaders,
-    bound: Vec<Bound>,
-    pub(super) uses: Vec<Use>,
+    /// The first of this pass, among those of the graph.
+    first_bound: usize,
+    pub(super) uses: Uses,
     /// What the device counts over it.
     pub(super) counted: Vec<QueryKind>,
 }
@@ -47,11 +51,9 @@ impl Shaders {
 }
 
 impl Collected {
-    pub(super) fn new(pass: PassId, name: String, shaders: Shaders) -> Self {
-        // Most bind all that their first shader has.
-        let room = shaders.all().first().map_or(0, |shader| shader.bindings.len());
-        let (bound, uses) = (Vec::with_capacity(room), Vec::with_capacity(room));
-        Self { pass, name, shaders, bound, uses, counted: Vec::new() }
+    pub(super) fn new(graph: &Graph, name: Name, shaders: Shaders) -> Self {
+        let (pass, first_bound) = (graph.next_pass(), graph.bound.len());
+        Self { pass, name, shaders, first_bound, uses: Uses::new(), counted: Vec::new() }
     }
 
     /// The binding as this pass's shaders have it together, with the stages that see it. A slot that none of them has is
@@ -76,9 +78,9 @@ impl Collected {
         found
     }
 
-    pub(super) fn constant(&mut self, graph: &mut Graph, slot: &Binding, what: What) {
+    pub(super) fn constant(&self, graph: &mut Graph, slot: &Binding, what: What) {
         if let Some((binding, _)) = self.find(graph, slot) {
-            self.bound.push(Bound { binding: binding.binding, what });
+            graph.bound.push(Bound { binding: binding.binding, what });
         }
     }
 
@@ -96,7 +98,7 @@ impl Collected {
         self.uses.push(used);
         let what =
             What::Resource { resource: handle.resource(), range: handle.range(), layout: access.layout, sampler };
-        self.bound.push(Bound { binding: binding.binding, what });
+        graph.bound.push(Bound { binding: binding.binding, what });
     }
 
     pub(super) fn write<H: Handle>(&mut self, graph: &mut Graph, slot: &Binding, handle: H) -> H {
@@ -118,20 +120,20 @@ impl Collected {
         };
         let (used, next) = graph.written(self.pass, binding.name, handle, reads, access);
         self.uses.push(used);
-        self.bound.push(Bound { binding: binding.binding, what });
+        graph.bound.push(Bound { binding: binding.binding, what });
         next
     }
 
-    pub(super) fn finish(self, graph: &mut Graph) -> (String, Vec<Use>, Vec<Bound>) {
+    pub(super) fn finish(self, graph: &mut Graph) -> (Name, Uses, Range<usize>) {
         for (binding, file) in self.shaders.bindings() {
-            let count = self.bound.iter().filter(|bound| bound.binding == binding.binding).count();
+            let count = graph.bound[self.first_bound..].iter().filter(|bound| bound.binding == binding.binding).count();
             if count != 1 {
                 let wrong = format!("is bound {count} times; {file} has it");
                 graph.mistake(Some(&self.name), Some(binding.name), wrong, "once".into());
             }
         }
         graph.queries.extend(self.counted.into_iter().map(|kind| Asked { pass: self.pass, kind }));
-        (self.name, self.uses, self.bound)
+        (self.name, self.uses, self.first_bound..graph.bound.len())
     }
 }
 

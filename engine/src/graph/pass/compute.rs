@@ -1,11 +1,14 @@
 //! Compute passes.
 
+use smallvec::SmallVec;
+
 use super::bind::{Fits, Unchanging, binding_methods};
 use super::collect::{Collected, Shaders};
 use super::{Groups, Push, What, Work};
 use crate::gpu::{self, Image, SamplerInfo};
 use crate::graph::builder::{Data, Graph};
 use crate::graph::description::{Access, Queue};
+use crate::graph::name::Name;
 use crate::graph::handle::{BufferHandle, ImageHandle};
 use crate::shader::{self, ConstantSlot, ReadSlot, SampledSlot, Shader, StorageSlot, UniformSlot, WriteSlot};
 
@@ -20,16 +23,16 @@ pub struct ComputePass<'g, 'f> {
 }
 
 impl<'g, 'f> ComputePass<'g, 'f> {
-    pub(in crate::graph) fn new(graph: &'g mut Graph<'f>, name: String, shader: &'static Shader) -> Self {
-        let collected = Collected::new(graph.next_pass(), name, Shaders::One(shader));
-        Self { graph, collected, shader, constants: Vec::new(), push: Push::Bytes(Vec::new()) }
+    pub(in crate::graph) fn new(graph: &'g mut Graph<'f>, name: Name, shader: &'static Shader) -> Self {
+        let collected = Collected::new(graph, name, Shaders::One(shader));
+        Self { graph, collected, shader, constants: Vec::new(), push: Push::Bytes(SmallVec::new()) }
     }
 
     binding_methods!();
 
     /// Push constants.
     pub fn push<T: bytemuck::Pod>(&mut self, value: &T) -> &mut Self {
-        self.push = Push::Bytes(bytemuck::bytes_of(value).to_vec());
+        self.push = Push::Bytes(SmallVec::from_slice(bytemuck::bytes_of(value)));
         self
     }
 

@@ -5,25 +5,28 @@ mod collect;
 mod compute;
 mod raster;
 
+use std::ops::Range;
+
 use ash::vk;
+use smallvec::SmallVec;
 
 pub use bind::{Fits, Unchanging};
 pub use compute::ComputePass;
 pub use raster::RasterPass;
 
 use super::builder::Data;
-use super::description::{Range, ResourceId};
+use super::description::{self, ResourceId};
 use super::record::Recorder;
 use crate::Result;
 use crate::gpu::{self, Buffer, Image, SamplerInfo};
 use crate::shader::{Program, Shader, Targets, Wanted};
 
-/// What a pass does, besides what the description says.
+/// What a pass does, besides what the description says. `bound`: among those of all passes.
 pub(in crate::graph) enum Work<'f> {
     Compute {
         shader: &'static Shader,
         constants: Vec<(u32, gpu::Constant)>,
-        bound: Vec<Bound>,
+        bound: Range<usize>,
         push: Push<'f>,
         groups: Groups,
     },
@@ -31,26 +34,26 @@ pub(in crate::graph) enum Work<'f> {
         programs: Vec<Program>,
         targets: Targets,
         attachments: Attachments,
-        bound: Vec<Bound>,
+        bound: Range<usize>,
         draw: DrawFn<'f>,
     },
     Fill {
         resource: ResourceId,
-        range: Range,
+        range: description::Range,
         value: u32,
     },
     Clear {
         resource: ResourceId,
-        range: Range,
+        range: description::Range,
         value: vk::ClearColorValue,
     },
     ClearDepth {
         resource: ResourceId,
-        range: Range,
+        range: description::Range,
         value: f32,
     },
     /// Of a pass that is switched off.
-    Zero(Vec<(ResourceId, Range)>),
+    Zero(Vec<(ResourceId, description::Range)>),
 }
 
 impl Work<'_> {
@@ -70,7 +73,7 @@ pub(in crate::graph) type DrawFn<'f> = Box<dyn FnMut(&mut Recorder) -> Result<()
 
 /// Push constants of a dispatch.
 pub(in crate::graph) enum Push<'f> {
-    Bytes(Vec<u8>),
+    Bytes(SmallVec<[u8; 32]>),
     /// So many bytes, written each time the pass is recorded.
     Asked(usize, AskFn<'f>),
 }
@@ -121,7 +124,7 @@ pub(in crate::graph) enum What {
     /// An image that never changes while frames run.
     Image(Image, SamplerInfo),
     /// A resource of the graph.
-    Resource { resource: ResourceId, range: Range, layout: vk::ImageLayout, sampler: SamplerInfo },
+    Resource { resource: ResourceId, range: description::Range, layout: vk::ImageLayout, sampler: SamplerInfo },
 }
 
 /// Attachments of a raster pass.
@@ -136,7 +139,7 @@ pub(in crate::graph) struct Attachments {
 
 pub(in crate::graph) struct Attachment {
     pub(in crate::graph) resource: ResourceId,
-    pub(in crate::graph) range: Range,
+    pub(in crate::graph) range: description::Range,
     pub(in crate::graph) layout: vk::ImageLayout,
     pub(in crate::graph) load: vk::AttachmentLoadOp,
     pub(in crate::graph) store: vk::AttachmentStoreOp,

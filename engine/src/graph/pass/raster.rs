@@ -9,6 +9,7 @@ use crate::Result;
 use crate::gpu::{Image, QueryKind, SamplerInfo};
 use crate::graph::builder::{Data, Graph};
 use crate::graph::description::{Access, Queue};
+use crate::graph::name::Name;
 use crate::graph::handle::ImageHandle;
 use crate::graph::record::Recorder;
 use crate::shader::{self, ColorSlot, Program, ReadSlot, SampledSlot, StorageSlot, Targets, UniformSlot, WriteSlot};
@@ -24,9 +25,9 @@ pub struct RasterPass<'g, 'f> {
 }
 
 impl<'g, 'f> RasterPass<'g, 'f> {
-    pub(in crate::graph) fn new(graph: &'g mut Graph<'f>, name: String, programs: Vec<Program>) -> Self {
+    pub(in crate::graph) fn new(graph: &'g mut Graph<'f>, name: Name, programs: Vec<Program>) -> Self {
         let shaders = Shaders::Several(programs.iter().flat_map(Program::shaders).collect());
-        let collected = Collected::new(graph.next_pass(), name, shaders);
+        let collected = Collected::new(graph, name, shaders);
         let targets = Targets { samples: 1, ..Targets::default() };
         Self { graph, collected, programs, targets, attachments: Attachments::default() }
     }

@@ -160,9 +160,9 @@ pub(super) fn check_kept(description: &Description, versions: &Versions, live: &
             let resource = description.versions[root.version.0 as usize].resource;
             errors.push(GraphError {
                 kind: ErrorKind::OverwrittenRoot,
-                pass: Some(pass.name.clone()),
+                pass: Some(pass.name.to_string()),
                 slot: None,
-                resource: Some(description.resources[resource.0 as usize].name.clone()),
+                resource: Some(description.resources[resource.0 as usize].name.to_string()),
                 wrong: format!("writes over what root `{}` keeps", root.name),
                 allowed: "keep the last version, or capture this one, which copies it before".into(),
             });

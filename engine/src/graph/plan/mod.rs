@@ -173,7 +173,7 @@ fn requirements(
                 kind: ErrorKind::BadShape,
                 pass: None,
                 slot: None,
-                resource: Some(resource.name.clone()),
+                resource: Some(resource.name.to_string()),
                 wrong: format!("takes {size} bytes, aligned to {alignment}"),
                 allowed: format!("at most {MOST_BYTES} are allowed"),
             });

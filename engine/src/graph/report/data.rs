@@ -209,7 +209,7 @@ impl Report {
             ..self::step(description, step.work)
         };
         let culled = plan.culled.iter().map(|(pass, reason)| CulledReport {
-            name: description.passes[pass.0 as usize].name.clone(),
+            name: description.passes[pass.0 as usize].name.to_string(),
             reason: reason.explain(description),
         });
         Self {
@@ -278,7 +278,7 @@ fn step(description: &Description, work: Work) -> StepReport {
                 uses.map(|used| used_report(description, used)).collect()
             };
             let side_effect = pass.side_effect.clone();
-            StepReport { name: pass.name.clone(), reads: uses(false), writes: uses(true), side_effect, ..empty }
+            StepReport { name: pass.name.to_string(), reads: uses(false), writes: uses(true), side_effect, ..empty }
         }
         Work::ReadBack(root) => {
             let root = &description.roots[root];
@@ -295,7 +295,7 @@ fn used_report(description: &Description, used: &Use) -> UseReport {
     let resource = &description.resources[version.resource.0 as usize];
     UseReport {
         slot: used.slot.to_string(),
-        resource: resource.name.clone(),
+        resource: resource.name.to_string(),
         part: part(&resource.shape, &version.range),
         version: used.version.0,
         makes: used.makes.map(|made| made.0),
@@ -311,7 +311,7 @@ fn barriers(description: &Description, barriers: &Barriers) -> Vec<BarrierReport
         let place = place.map(|(id, range)| (&description.resources[id.0 as usize], range));
         BarrierReport {
             kind,
-            resource: place.map(|(resource, _): (&Resource, _)| resource.name.clone()),
+            resource: place.map(|(resource, _): (&Resource, _)| resource.name.to_string()),
             part: place.map_or_else(String::new, |(resource, range)| part(&resource.shape, range)),
             from: scope(from),
             to: scope(to),
@@ -340,7 +340,7 @@ fn memory(description: &Description, plan: &Plan) -> MemoryReport {
         let mut placed: Vec<_> = plan.placements.iter().filter(|placement| placement.heap == index).collect();
         placed.sort_unstable_by_key(|placement| (placement.offset, placement.steps));
         let placements = placed.into_iter().map(|placement| PlacementReport {
-            resource: description.resources[placement.resource.0 as usize].name.clone(),
+            resource: description.resources[placement.resource.0 as usize].name.to_string(),
             offset: placement.offset,
             bytes: placement.size,
             steps: placement.steps,
@@ -365,7 +365,7 @@ fn why_apart(description: &Description, plan: &Plan) -> Vec<ApartReport> {
     let mut largest: Vec<_> = plan.placements.iter().collect();
     largest.sort_unstable_by_key(|placement| (u64::MAX - placement.size, placement.resource));
     largest.truncate(EXPLAINED);
-    let name = |id: ResourceId| description.resources[id.0 as usize].name.clone();
+    let name = |id: ResourceId| description.resources[id.0 as usize].name.to_string();
     let mut pairs = Vec::new();
     for (index, a) in largest.iter().enumerate() {
         for b in &largest[index + 1..] {

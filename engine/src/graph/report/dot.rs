@@ -22,8 +22,8 @@ pub fn dot(description: &Description, plan: &Plan) -> String {
     );
     for (index, step) in plan.steps.iter().enumerate() {
         let (name, shape) = match step.work {
-            Work::Pass(pass) => (&description.passes[pass.0 as usize].name, "box"),
-            Work::ReadBack(root) => (&description.roots[root].name, "note"),
+            Work::Pass(pass) => (description.passes[pass.0 as usize].name.as_str(), "box"),
+            Work::ReadBack(root) => (description.roots[root].name.as_str(), "note"),
         };
         let barriers = match step.barriers.len() {
             0 => String::new(),

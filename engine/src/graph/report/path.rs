@@ -56,7 +56,7 @@ pub(super) fn dependencies(description: &Description, plan: &Plan) -> Vec<Vec<De
             let part = part(&resource.shape, &version.range);
             // Makers in an earlier segment of the frame are not steps of this plan.
             for step in makers(description, id).iter().filter_map(|pass| step_of[pass.0 as usize]) {
-                let (resource, part) = (resource.name.clone(), part.clone());
+                let (resource, part) = (resource.name.to_string(), part.clone());
                 found.push(DependencyReport { step, resource, part, overwrites });
             }
         }

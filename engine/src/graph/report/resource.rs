@@ -28,7 +28,7 @@ pub(super) fn resources(description: &Description, plan: &Plan) -> Vec<ResourceR
             Origin::Imported { .. } => "imported",
             Origin::Kept { .. } => "kept",
         };
-        ResourceReport { name: resource.name.clone(), kind, shape, origin }
+        ResourceReport { name: resource.name.to_string(), kind, shape, origin }
     };
     used.map(report).collect()
 }

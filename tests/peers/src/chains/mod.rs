@@ -18,7 +18,11 @@ pub const CASES: &[Case] = &[
     Case { name: "by hand, sets cached", open: |passes| Ok(Box::new(by_hand::ByHand::new(passes, false)?)) },
     Case { name: "by hand, sets each frame", open: |passes| Ok(Box::new(by_hand::ByHand::new(passes, true)?)) },
     Case { name: "shadowgraph, prepared", open: |passes| Ok(Box::new(shadowgraph::Prepared::new(passes)?)) },
-    Case { name: "shadowgraph, rebuilt", open: |passes| Ok(Box::new(shadowgraph::Rebuilt::new(passes)?)) },
+    Case {
+        name: "shadowgraph, described anew",
+        open: |passes| Ok(Box::new(shadowgraph::Rebuilt::new(passes, false)?)),
+    },
+    Case { name: "shadowgraph, rebuilt", open: |passes| Ok(Box::new(shadowgraph::Rebuilt::new(passes, true)?)) },
     Case {
         name: "vulkano-taskgraph, compiled once",
         open: |passes| Ok(Box::new(vulkano_taskgraph::VulkanoTaskgraph::new(passes, false)?)),

@@ -1,10 +1,10 @@
 //! Shadowgraph: a frame that is prepared once and recorded again, and a frame that is made anew each time.
 
 use std::cell::Cell;
+use std::sync::Arc;
 
 use ash::vk;
 use shadowgraph::gpu::{Gpu, GpuOptions};
-use shadowgraph::graph::plan::Plan;
 use shadowgraph::graph::{Executed, Executor, Graph, ImageShape, Prepared as Ready};
 use shadowgraph::shader::{
     Binding, BindingKind, ImageSlot, ImageType, Push, SampledSlot, Shader, ShaderAccess, Stage, Write,
@@ -55,22 +55,24 @@ impl Setup {
         Ok(Box::leak(Box::new(Self { gpu, from, to, shader, frame: Cell::new(0), passes })))
     }
 
-    /// Describes and plans the frame.
-    fn frame(&'static self) -> Result<(Graph<'static>, Plan)> {
+    /// Describes the frame. `again`: it is recorded several times, and asked for its push constants each time.
+    fn describe(&'static self, mut graph: Graph<'static>, again: bool) -> Graph<'static> {
         let shape = ImageShape::new_2d(vk::Format::R8G8B8A8_UNORM, [SIZE, SIZE]);
-        let mut graph = Graph::new("chain", self.gpu.caps());
-        let image = graph.image("image 0", shape);
+        let image = graph.image(("image", 0), shape);
         let mut last = graph.clear("clear", image, vk::ClearColorValue::default());
         for number in 1..=self.passes {
-            let next = graph.image(format!("image {number}"), shape);
-            let mut pass = graph.compute(format!("pass {number}"), self.shader);
-            pass.read(self.from, &last).push_with(move || shader::push(self.frame.get(), number));
+            let next = graph.image(("image", number), shape);
+            let mut pass = graph.compute(("pass", number), self.shader);
+            pass.read(self.from, &last);
+            match again {
+                true => pass.push_with(move || shader::push(self.frame.get(), number)),
+                false => pass.push(&shader::push(self.frame.get(), number)),
+            };
             last = pass.write(self.to, next);
             pass.dispatch([SIZE, SIZE, 1]);
         }
         graph.capture("last", &last);
-        let plan = graph.compile(&self.gpu)?;
-        Ok((graph, plan))
+        graph
     }
 }
 
@@ -87,7 +89,8 @@ impl Prepared {
     pub fn new(passes: u32) -> Result<Self> {
         let setup = Setup::new(passes)?;
         let mut executor = executor(setup);
-        let (graph, plan) = setup.frame()?;
+        let graph = setup.describe(executor.graph("chain"), true);
+        let plan = graph.compile(&setup.gpu)?;
         let bytes = plan.statistics.heap_bytes;
         let ready = executor.prepare(&plan, graph)?;
         Ok(Self { setup, executor, ready, executed: Executed::default(), bytes })
@@ -110,25 +113,31 @@ impl Chain for Prepared {
     }
 }
 
-/// Described, planned and made ready anew each frame; objects on the device are kept by the executor.
+/// Described and made ready anew each frame; objects on the device are kept by the executor. The plan is that of the
+/// last frame, which was described alike, or made anew as well.
 pub struct Rebuilt {
     setup: &'static Setup,
     executor: Executor<'static>,
     executed: Executed,
+    replan: bool,
     bytes: u64,
 }
 
 impl Rebuilt {
-    pub fn new(passes: u32) -> Result<Self> {
+    pub fn new(passes: u32, replan: bool) -> Result<Self> {
         let setup = Setup::new(passes)?;
-        Ok(Self { setup, executor: executor(setup), executed: Executed::default(), bytes: 0 })
+        Ok(Self { setup, executor: executor(setup), executed: Executed::default(), replan, bytes: 0 })
     }
 }
 
 impl Chain for Rebuilt {
     fn frame(&mut self, frame: u32) -> Result<()> {
         self.setup.frame.set(frame);
-        let (graph, plan) = self.setup.frame()?;
+        let graph = self.setup.describe(self.executor.graph("chain"), false);
+        let plan = match self.replan {
+            true => Arc::new(graph.compile(&self.setup.gpu)?),
+            false => self.executor.plan(&graph)?,
+        };
         self.executed = self.executor.execute(&plan, graph)?;
         self.bytes = plan.statistics.heap_bytes;
         Ok(())

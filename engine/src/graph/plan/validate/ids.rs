@@ -1,6 +1,8 @@
 //! Names, shapes, ids and ranges.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
+use std::hash::Hash;
+use std::ops::Deref;
 
 use ash::vk;
 use rustc_hash::FxHashSet;
@@ -12,26 +14,26 @@ use crate::graph::errors::ErrorKind;
 /// Names are unique among passes, among resources and among read-backs.
 pub(super) fn names(errors: &mut Errors) {
     let description = errors.description;
-    let read_backs = description.roots.iter().filter(|root| root.read_back).map(|root| &root.name);
-    let lists: [(&str, Vec<&String>); 3] = [
-        ("passes", description.passes.iter().map(|pass| &pass.name).collect()),
-        ("resources", description.resources.iter().map(|resource| &resource.name).collect()),
-        ("captures", read_backs.collect()),
-    ];
-    for (what, names) in lists {
-        let mut known: FxHashSet<&String> = FxHashSet::default();
-        known.reserve(names.len());
-        if names.iter().all(|name| known.insert(name)) {
-            continue;
-        }
-        let mut counts: HashMap<&String, usize> = HashMap::new();
-        names.iter().for_each(|name| *counts.entry(name).or_default() += 1);
-        let mut doubled: Vec<_> = counts.into_iter().filter(|(_, count)| *count > 1).collect();
-        doubled.sort_unstable();
-        for (name, count) in doubled {
-            let wrong = format!("{count} {what} are named `{name}`");
-            errors.add(ErrorKind::DuplicateName, Place::default(), wrong, "each needs a name of its own");
-        }
+    unique(errors, "passes", description.passes.iter().map(|pass| &pass.name));
+    unique(errors, "resources", description.resources.iter().map(|resource| &resource.name));
+    unique(errors, "captures", description.roots.iter().filter(|root| root.read_back).map(|root| &root.name));
+}
+
+fn unique<'a, N: Hash + Eq + Deref<Target = str> + 'a>(
+    errors: &mut Errors,
+    what: &str,
+    names: impl Iterator<Item = &'a N> + Clone,
+) {
+    let mut known = FxHashSet::default();
+    known.reserve(names.size_hint().1.unwrap_or(0));
+    if names.clone().all(|name| known.insert(name)) {
+        return;
+    }
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    names.for_each(|name| *counts.entry(name).or_default() += 1);
+    for (name, count) in counts.into_iter().filter(|(_, count)| *count > 1) {
+        let wrong = format!("{count} {what} are named `{name}`");
+        errors.add(ErrorKind::DuplicateName, Place::default(), wrong, "each needs a name of its own");
     }
 }
 

@@ -93,9 +93,9 @@ impl<'a> Errors<'a> {
         let resource = place.resource.and_then(|id| self.description.resources.get(id.0 as usize));
         self.list.push(GraphError {
             kind,
-            pass: place.pass.map(|pass| pass.name.clone()),
+            pass: place.pass.map(|pass| pass.name.to_string()),
             slot: place.slot.map(Into::into),
-            resource: resource.map(|resource| resource.name.clone()),
+            resource: resource.map(|resource| resource.name.to_string()),
             wrong: wrong.into(),
             allowed: allowed.into(),
         });
