@@ -30,6 +30,8 @@ pub struct Graph<'f> {
     pub(super) work: Vec<Work<'f>>,
     /// What lies behind the bindings of all passes.
     pub(super) bound: Vec<Bound>,
+    /// Uses of the pass that is being described.
+    pub(super) uses: Vec<Use>,
     /// Memory of imported resources, in the order of `description.resources`.
     pub(super) external: Vec<Option<External>>,
     /// Bytes for uniform and constant bindings of this frame.
@@ -94,6 +96,7 @@ impl<'f> Graph<'f> {
             description: Description { name: name.into(), ..Description::default() },
             work: Vec::new(),
             bound: Vec::new(),
+            uses: Vec::new(),
             external: Vec::new(),
             arena: Arena::default(),
             mistakes: Vec::new(),
@@ -333,6 +336,12 @@ impl<'f> Graph<'f> {
         let side_effect = counts.then(|| "the device counts over it".into());
         self.description.passes.push(Pass { name, queue, uses, side_effect });
         self.work.push(work);
+    }
+
+    /// The pass that was being described.
+    pub(super) fn push_collected(&mut self, name: Name, queue: Queue, work: Work<'f>) {
+        let uses = self.uses.drain(..).collect();
+        self.push_pass(name, queue, uses, work);
     }
 
     /// A use that reads.

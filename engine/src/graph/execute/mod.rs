@@ -59,7 +59,9 @@ pub struct Executor<'g> {
 /// Frames of one executor share memory: none keeps anything from run to run but what it imports.
 pub struct Prepared<'f> {
     description: Description,
-    steps: Vec<Task<'f>>,
+    steps: Vec<Task>,
+    /// By pass.
+    work: Vec<Work<'f>>,
     /// One before each step, and the last one at the end.
     barriers: Batches,
     /// Of all passes.
@@ -74,10 +76,13 @@ pub struct Prepared<'f> {
     _kept: (Option<Buffer>, Arc<Vec<Bound>>),
 }
 
-/// One step with all that recording needs. Nearly all are passes: a box would only add a way to go.
-#[allow(clippy::large_enum_variant)]
-enum Task<'f> {
-    Pass { pass: u32, work: Work<'f>, programs: std::ops::Range<usize> },
+/// One step.
+enum Task {
+    /// `programs`: among those of all passes.
+    Pass {
+        pass: u32,
+        programs: std::ops::Range<usize>,
+    },
     ReadBack(usize),
 }
 
@@ -162,7 +167,7 @@ impl<'g> Executor<'g> {
     /// An empty frame that knows what the last one left ([`Graph::history_image`]).
     pub fn graph(&self, name: &str) -> Graph<'g> {
         let mut graph = Graph::new("", self.gpu.caps());
-        graph.description = self.plans.description(name);
+        self.plans.begin(&mut graph, name);
         graph.kept = self.histories.kept.clone();
         graph
     }
@@ -199,7 +204,7 @@ impl<'g> Executor<'g> {
         if description.checkpoints.is_empty() {
             let (ran, description) = self.run_once(description, plan, &mut frame)?;
             self.histories.keep(histories, plan, &frame.memory.0);
-            self.plans.executed(plan, description);
+            self.plans.executed(plan, description, frame.bound.len());
             self.arena = frame.arena;
             return Ok(ran.into());
         }
@@ -256,7 +261,7 @@ impl<'g> Executor<'g> {
         frame: &mut Frame<'f>,
         mut descriptors: DescriptorCache,
     ) -> Result<Prepared<'f>> {
-        let mut work: Vec<Option<Work>> = frame.work.by_ref().take(description.passes.len()).map(Some).collect();
+        let work: Vec<Work> = frame.work.by_ref().take(description.passes.len()).collect();
 
         // 1. Memory that the plan placed.
         self.transients.make(self.gpu, plan, &description, self.instruments, &mut frame.memory)?;
@@ -264,7 +269,7 @@ impl<'g> Executor<'g> {
 
         // 2. Pipelines, in the order of the plan.
         let planned = plan.steps.iter().filter_map(|step| match step.work {
-            Step::Pass(PassId(pass)) => work[pass as usize].as_ref(),
+            Step::Pass(PassId(pass)) => work.get(pass as usize),
             Step::ReadBack(_) => None,
         });
         let mut wanted = Vec::with_capacity(plan.steps.len());
@@ -280,10 +285,10 @@ impl<'g> Executor<'g> {
         for step in &plan.steps {
             let task = match step.work {
                 Step::Pass(PassId(pass)) => {
-                    let Some(work) = work[pass as usize].take() else { continue };
+                    let (name, work) = (&description.passes[pass as usize].name, &work[pass as usize]);
                     let first = programs.len();
-                    sets.ready(&description.passes[pass as usize].name, &work, &mut pipelines, &mut programs)?;
-                    Task::Pass { pass, work, programs: first..programs.len() }
+                    sets.ready(name, work, &mut pipelines, &mut programs)?;
+                    Task::Pass { pass, programs: first..programs.len() }
                 }
                 Step::ReadBack(root) => Task::ReadBack(root),
             };
@@ -296,13 +301,13 @@ impl<'g> Executor<'g> {
         let first_pass = frame.first_pass;
         frame.first_pass += description.passes.len() as u32;
         let _kept = (frame.arena.clone(), frame.bound.clone());
-        Ok(Prepared { description, steps, barriers, programs, memory, descriptors, timer, queries, first_pass, _kept })
+        Ok(Prepared { description, steps, work, barriers, programs, memory, descriptors, timer, queries, first_pass, _kept })
     }
 
     fn record_and_wait(&mut self, prepared: &mut Prepared) -> Result<Ran> {
         // 1. Host buffers for what is read back; queries begin anew.
         let start = Instant::now();
-        let Prepared { description, steps, barriers, programs, memory, timer, queries, first_pass, .. } = prepared;
+        let Prepared { description, steps, work, barriers, programs, memory, timer, queries, first_pass, .. } = prepared;
         let captures = self.capture_buffers(description)?;
         timer.reset();
         queries.reset();
@@ -311,20 +316,21 @@ impl<'g> Executor<'g> {
         let device = self.gpu.raw();
         let mut commands = self.gpu.commands(&description.name)?;
         let (mut bound, mut asked) = (BoundCompute::default(), Vec::new());
-        for (index, step) in steps.iter_mut().enumerate() {
+        for (index, step) in steps.iter().enumerate() {
             barriers.record(device, &commands, index);
             if self.serialize {
                 record::full_barrier(device, &commands);
             }
             timer.mark(device, &commands, 2 * index);
             match step {
-                Task::Pass { pass, work, programs: mine } => {
+                Task::Pass { pass, programs: mine } => {
                     if self.instruments {
                         commands.begin_pass(&description.passes[*pass as usize].name);
                     }
                     let whole = PassId(*first_pass + *pass);
                     queries.begin(device, &commands, whole);
                     let programs = &programs[mine.clone()];
+                    let work = &mut work[*pass as usize];
                     run::run(device, &commands, work, (programs, &mut bound), memory, &mut asked)?;
                     queries.end(device, &commands, whole);
                 }

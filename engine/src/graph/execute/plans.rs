@@ -20,17 +20,24 @@ pub(super) struct Plans {
     given: Option<Arc<Plan>>,
     /// Lists to describe the next frame in.
     spare: Mutex<Description>,
+    /// How many passes and resources the last frame had, and how much its passes bound.
+    room: [usize; 3],
 }
 
 impl Plans {
-    /// An empty description.
-    pub(super) fn description(&self, name: &str) -> Description {
+    /// Gives an empty frame room for as much as the last one had.
+    pub(super) fn begin(&self, graph: &mut Graph, name: &str) {
         let spare = std::mem::take(&mut *self.spare.lock().unwrap_or_else(PoisonError::into_inner));
-        Description { name: name.into(), ..spare }
+        graph.description = Description { name: name.into(), ..spare };
+        let [passes, resources, bound] = self.room;
+        graph.work.reserve(passes);
+        graph.external.reserve(resources);
+        graph.bound.reserve(bound);
     }
 
-    /// A frame was executed by `plan`.
-    pub(super) fn executed(&mut self, plan: &Plan, mut description: Description) {
+    /// A frame was executed by `plan`. `bound`: how much its passes bound.
+    pub(super) fn executed(&mut self, plan: &Plan, mut description: Description, bound: usize) {
+        self.room = [description.passes.len(), description.resources.len(), bound];
         let is_plan = |given: &mut Arc<Plan>| std::ptr::eq(Arc::as_ptr(given), plan);
         if let Some(plan) = self.given.take_if(is_plan) {
             self.known.push((description, plan));

@@ -6,6 +6,7 @@ use super::resources::Resources;
 use crate::gpu::{Buffer, Descriptor, DescriptorCache, Gpu, Image, Pipeline, SamplerInfo, ViewInfo};
 use crate::graph::builder::External;
 use crate::graph::description::Range;
+use crate::graph::name::Name;
 use crate::graph::pass::{Bound, What, Work};
 use crate::graph::record::Ready;
 use crate::shader::{Binding, BindingKind};
@@ -28,7 +29,7 @@ impl Sets<'_> {
     /// The next pipelines, a pass's, each with its set 0.
     pub(super) fn ready(
         &mut self,
-        pass: &str,
+        pass: &Name,
         work: &Work,
         pipelines: &mut impl Iterator<Item = Pipeline>,
         ready: &mut Vec<Ready>,
@@ -56,7 +57,7 @@ impl Sets<'_> {
         Ok(())
     }
 
-    fn descriptor(&self, pass: &str, bound: &Bound, binding: &Binding) -> Result<Descriptor> {
+    fn descriptor(&self, pass: &Name, bound: &Bound, binding: &Binding) -> Result<Descriptor> {
         let missing = || Error::invalid(format!("`{}` of pass `{pass}`", binding.name), "has no memory behind it");
         let kind = binding.image.map_or(vk::ImageViewType::TYPE_2D, |image| image.view);
         match &bound.what {

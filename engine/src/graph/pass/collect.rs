@@ -7,7 +7,7 @@ use ash::vk;
 use super::{Bound, What};
 use crate::gpu::{QueryKind, SamplerInfo};
 use crate::graph::builder::Graph;
-use crate::graph::description::{Access, PassId, Uses};
+use crate::graph::description::{Access, PassId};
 use crate::graph::execute::Asked;
 use crate::graph::handle::Handle;
 use crate::graph::name::Name;
@@ -20,7 +20,6 @@ pub(super) struct Collected {
     shaders: Shaders,
     /// The first of this pass, among those of the graph.
     first_bound: usize,
-    pub(super) uses: Uses,
     /// What the device counts over it.
     pub(super) counted: Vec<QueryKind>,
 }
@@ -51,9 +50,10 @@ impl Shaders {
 }
 
 impl Collected {
-    pub(super) fn new(graph: &Graph, name: Name, shaders: Shaders) -> Self {
+    pub(super) fn new(graph: &mut Graph, name: Name, shaders: Shaders) -> Self {
+        graph.uses.clear();
         let (pass, first_bound) = (graph.next_pass(), graph.bound.len());
-        Self { pass, name, shaders, first_bound, uses: Uses::new(), counted: Vec::new() }
+        Self { pass, name, shaders, first_bound, counted: Vec::new() }
     }
 
     /// The binding as this pass's shaders have it together, with the stages that see it. A slot that none of them has is
@@ -84,7 +84,7 @@ impl Collected {
         }
     }
 
-    pub(super) fn read<H: Handle>(&mut self, graph: &mut Graph, slot: &Binding, handle: &H, sampler: SamplerInfo) {
+    pub(super) fn read<H: Handle>(&self, graph: &mut Graph, slot: &Binding, handle: &H, sampler: SamplerInfo) {
         let Some((binding, stages)) = self.find(graph, slot) else { return };
         let access = match binding.kind {
             BindingKind::UniformBuffer => Access::uniform(stages),
@@ -95,13 +95,13 @@ impl Collected {
             }
         };
         let used = graph.used(binding.name, handle, access);
-        self.uses.push(used);
+        graph.uses.push(used);
         let what =
             What::Resource { resource: handle.resource(), range: handle.range(), layout: access.layout, sampler };
         graph.bound.push(Bound { binding: binding.binding, what });
     }
 
-    pub(super) fn write<H: Handle>(&mut self, graph: &mut Graph, slot: &Binding, handle: H) -> H {
+    pub(super) fn write<H: Handle>(&self, graph: &mut Graph, slot: &Binding, handle: H) -> H {
         let Some((binding, stages)) = self.find(graph, slot) else { return handle };
         let image = binding.kind == BindingKind::StorageImage;
         let access = match (image, binding.access) {
@@ -119,12 +119,12 @@ impl Collected {
             sampler: SamplerInfo::nearest(),
         };
         let (used, next) = graph.written(self.pass, binding.name, handle, reads, access);
-        self.uses.push(used);
+        graph.uses.push(used);
         graph.bound.push(Bound { binding: binding.binding, what });
         next
     }
 
-    pub(super) fn finish(self, graph: &mut Graph) -> (Name, Uses, Range<usize>) {
+    pub(super) fn finish(self, graph: &mut Graph) -> (Name, Range<usize>) {
         for (binding, file) in self.shaders.bindings() {
             let count = graph.bound[self.first_bound..].iter().filter(|bound| bound.binding == binding.binding).count();
             if count != 1 {
@@ -133,7 +133,7 @@ impl Collected {
             }
         }
         graph.queries.extend(self.counted.into_iter().map(|kind| Asked { pass: self.pass, kind }));
-        (self.name, self.uses, self.first_bound..graph.bound.len())
+        (self.name, self.first_bound..graph.bound.len())
     }
 }
 

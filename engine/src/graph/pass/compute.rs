@@ -58,9 +58,9 @@ impl<'g, 'f> ComputePass<'g, 'f> {
     }
 
     /// Runs as many workgroups as three `u32` at `offset` of a buffer say.
-    pub fn dispatch_indirect(mut self, groups: &BufferHandle, offset: u64) {
+    pub fn dispatch_indirect(self, groups: &BufferHandle, offset: u64) {
         let used = self.graph.used("indirect dispatch", groups, Access::indirect());
-        self.collected.uses.push(used);
+        self.graph.uses.push(used);
         self.finish(Groups::Indirect(groups.resource, offset));
     }
 
@@ -72,7 +72,7 @@ impl<'g, 'f> ComputePass<'g, 'f> {
             let allowed = format!("{expected} bytes, as {} takes", shader.file);
             graph.mistake(Some(&collected.name), Some("push constants"), wrong, allowed);
         }
-        let (name, uses, bound) = collected.finish(graph);
-        graph.push_pass(name, Queue::Compute, uses, Work::Compute { shader, constants, bound, push, groups });
+        let (name, bound) = collected.finish(graph);
+        graph.push_collected(name, Queue::Compute, Work::Compute { shader, constants, bound, push, groups });
     }
 }

@@ -62,7 +62,7 @@ impl<'g, 'f> RasterPass<'g, 'f> {
         self.targets.depth = Some(handle.shape.format);
         self.attachments.depth = Some(attachment(&handle, access, load, vk::AttachmentStoreOp::STORE, clear));
         let (used, next) = self.graph.written(self.collected.pass, "depth", handle, reads, access);
-        self.collected.uses.push(used);
+        self.graph.uses.push(used);
         next
     }
 
@@ -74,7 +74,7 @@ impl<'g, 'f> RasterPass<'g, 'f> {
         let (load, store) = (vk::AttachmentLoadOp::LOAD, vk::AttachmentStoreOp::NONE);
         self.attachments.depth = Some(attachment(handle, access, load, store, vk::ClearValue::default()));
         let used = self.graph.used("depth", handle, access);
-        self.collected.uses.push(used);
+        self.graph.uses.push(used);
         self
     }
 
@@ -105,9 +105,9 @@ impl<'g, 'f> RasterPass<'g, 'f> {
             let wrong = format!("has no attachment for location {gap}, but for a higher one");
             graph.mistake(Some(name), None, wrong, "locations from 0 without a gap".into());
         }
-        let (name, uses, bound) = collected.finish(graph);
+        let (name, bound) = collected.finish(graph);
         let work = Work::Raster { programs, targets, attachments, bound, draw: Box::new(draw) };
-        graph.push_pass(name, Queue::Graphics, uses, work);
+        graph.push_collected(name, Queue::Graphics, work);
     }
 
     fn color_attachment(
@@ -129,7 +129,7 @@ impl<'g, 'f> RasterPass<'g, 'f> {
         self.targets.color[location] = handle.shape.format;
         self.attachments.color[location] = Some(attachment(&handle, access, load, vk::AttachmentStoreOp::STORE, clear));
         let (used, next) = self.graph.written(self.collected.pass, output.name, handle, reads, access);
-        self.collected.uses.push(used);
+        self.graph.uses.push(used);
         next
     }
 
