@@ -32,6 +32,8 @@ pub(super) struct Device {
     pub messages: Arc<Messages>,
     /// For names and labels, where the extension is there.
     pub debug: Option<ash::ext::debug_utils::Device>,
+    /// Whether a validation layer may be watching.
+    pub validated: bool,
     allocator: Mutex<Option<Allocator>>,
     live: Mutex<BTreeMap<u64, String>>,
     next_id: AtomicU64,
@@ -55,6 +57,8 @@ pub(super) struct Parts {
     pub caps: Caps,
     pub messages: Arc<Messages>,
     pub debug: bool,
+    /// Whether a validation layer may be watching.
+    pub validated: bool,
     pub pipeline_cache: Option<std::path::PathBuf>,
     pub owned: Option<Owned>,
 }
@@ -78,11 +82,13 @@ pub(super) struct RawBuffer {
 
 impl Device {
     pub(super) fn new(parts: Parts) -> Result<Arc<Device>> {
-        let Parts { entry, instance, physical, raw, queue, caps, messages, debug, pipeline_cache, owned } = parts;
+        let Parts { entry, instance, physical, raw, queue, caps, messages, debug, validated, pipeline_cache, owned } =
+            parts;
         let debug = debug.then(|| ash::ext::debug_utils::Device::new(&instance, &raw));
         // From here on the device is destroyed by `Drop`, whatever fails.
         let mut device = Device {
             debug,
+            validated,
             queue,
             timeline: vk::Semaphore::null(),
             state: Mutex::default(),

@@ -84,6 +84,11 @@ impl Gpu {
         &self.device.messages
     }
 
+    /// Whether a validation layer may be watching.
+    pub(crate) fn is_validated(&self) -> bool {
+        self.device.validated
+    }
+
     /// The device, for recording and for what is not wrapped.
     pub fn raw(&self) -> &ash::Device {
         &self.device.raw

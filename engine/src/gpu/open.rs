@@ -55,6 +55,7 @@ impl Gpu {
             caps: chosen.caps,
             messages,
             debug: opened.debug_utils,
+            validated: options.validation != Validation::Off,
             pipeline_cache: options.pipeline_cache,
             owned: Some(Owned { messenger: opened.debug }),
         })?;
@@ -96,6 +97,7 @@ impl Gpu {
             caps,
             messages: Arc::default(),
             debug: raw.debug_utils,
+            validated: true,
             pipeline_cache: raw.pipeline_cache,
             owned: None,
         })?;

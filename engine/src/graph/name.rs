@@ -121,7 +121,9 @@ mod tests {
             assert_eq!(Name::from((base, number)), Name::from(text));
             assert_eq!(Name::from((base, number)).to_string(), text);
         }
-        for (base, number, text) in [("blur", 3, "blur 03"), ("blur", 3, "blur +3"), ("blur", 3, "blur"), ("a", 1, "a1")] {
+        for (base, number, text) in
+            [("blur", 3, "blur 03"), ("blur", 3, "blur +3"), ("blur", 3, "blur"), ("a", 1, "a1")]
+        {
             assert_ne!(Name::from((base, number)), Name::from(text));
         }
         assert_eq!(Name::from("blur 99999999999"), Name::from(String::from("blur 99999999999")));

@@ -137,12 +137,15 @@ impl Pipelines {
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         let mut found: Vec<Option<Pipeline>> = Vec::with_capacity(wanted.len());
         let mut missing: FxHashMap<Key, Vec<usize>> = FxHashMap::default();
-        let (mut key, mut last) = (Key::new(), Key::new());
-        for (place, wanted) in wanted.iter().enumerate() {
-            std::mem::swap(&mut key, &mut last);
+        let mut key = Key::new();
+        for (place, one) in wanted.iter().enumerate() {
+            if place > 0 && one.is_as(&wanted[place - 1]) && found[place - 1].is_some() {
+                found.push(found[place - 1].clone());
+                continue;
+            }
             key.clear();
-            wanted.key(&mut key);
-            let known = if last == key { found.last().cloned().flatten() } else { made.get(&key).cloned() };
+            one.key(&mut key);
+            let known = made.get(&key).cloned();
             if known.is_none() {
                 missing.entry(key.clone()).or_default().push(place);
             }
@@ -169,6 +172,14 @@ impl Wanted<'_> {
         match self {
             Self::Compute(shader, _) => shader.file,
             Self::Graphics(program, _) => program.fragment.unwrap_or(program.vertex).file,
+        }
+    }
+
+    /// Whether it is plain to see that both are one pipeline.
+    fn is_as(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Compute(a, constants), Self::Compute(b, others)) => std::ptr::eq(*a, *b) && constants == others,
+            _ => false,
         }
     }
 

@@ -279,7 +279,7 @@ impl<'g> Executor<'g> {
         // 3. Descriptor sets and barriers.
         let mut steps = Vec::with_capacity(plan.steps.len());
         let mut programs = Vec::with_capacity(plan.steps.len());
-        let mut barriers = Batches::with_capacity(plan);
+        let (mut barriers, validated) = (Batches::with_capacity(plan), self.gpu.is_validated());
         let (gpu, cache, contents) = (self.gpu, &mut descriptors, Vec::new());
         let mut sets = Sets { gpu, memory: &memory, bound: &frame.bound, arena, cache, contents };
         for step in &plan.steps {
@@ -293,21 +293,34 @@ impl<'g> Executor<'g> {
                 Step::ReadBack(root) => Task::ReadBack(root),
             };
             steps.push(task);
-            run::batch(&mut barriers, &step.barriers, &memory);
+            run::batch(&mut barriers, &step.barriers, &memory, validated);
         }
-        run::batch(&mut barriers, &plan.finally, &memory);
+        run::batch(&mut barriers, &plan.finally, &memory, validated);
         let timer = if self.instruments { Timer::new(self.gpu, steps.len())? } else { Timer::default() };
         let queries = self.queries(plan, &description, frame)?;
         let first_pass = frame.first_pass;
         frame.first_pass += description.passes.len() as u32;
         let _kept = (frame.arena.clone(), frame.bound.clone());
-        Ok(Prepared { description, steps, work, barriers, programs, memory, descriptors, timer, queries, first_pass, _kept })
+        Ok(Prepared {
+            description,
+            steps,
+            work,
+            barriers,
+            programs,
+            memory,
+            descriptors,
+            timer,
+            queries,
+            first_pass,
+            _kept,
+        })
     }
 
     fn record_and_wait(&mut self, prepared: &mut Prepared) -> Result<Ran> {
         // 1. Host buffers for what is read back; queries begin anew.
         let start = Instant::now();
-        let Prepared { description, steps, work, barriers, programs, memory, timer, queries, first_pass, .. } = prepared;
+        let Prepared { description, steps, work, barriers, programs, memory, timer, queries, first_pass, .. } =
+            prepared;
         let captures = self.capture_buffers(description)?;
         timer.reset();
         queries.reset();

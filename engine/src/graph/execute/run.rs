@@ -114,11 +114,11 @@ fn render(
 
 /// Adds Vulkan's barriers from the plan's, as a batch.
 ///
-/// Buffers' are recorded as barriers for all memory, and images' have their order repeated as one without memory. That
-/// is the same to a driver and to Vulkan, where a barrier orders all commands of its stages. Synchronisation validation
-/// takes it to order those of its own buffer or image alone, and would miss the order of others that lie in the same
-/// memory.
-pub(super) fn batch(batches: &mut Batches, barriers: &Barriers, memory: &Resources) {
+/// Buffers' are recorded as barriers for all memory, and images' have their order repeated as one without memory where
+/// validation may be watching. That is the same to a driver and to Vulkan, where a barrier orders all commands of its
+/// stages. Synchronisation validation takes it to order those of its own buffer or image alone, and would miss the order
+/// of others that lie in the same memory.
+pub(super) fn batch(batches: &mut Batches, barriers: &Barriers, memory: &Resources, validated: bool) {
     let buffers = barriers.buffers.iter().map(|barrier| (barrier.from, barrier.to));
     for (from, to) in barriers.memory.iter().map(|barrier| (barrier.from, barrier.to)).chain(buffers) {
         add_memory(batches, from, to);
@@ -127,8 +127,10 @@ pub(super) fn batch(batches: &mut Batches, barriers: &Barriers, memory: &Resourc
         let (Some(image), Some(range)) = (memory.image(barrier.resource), subresources(barrier.range)) else {
             continue;
         };
-        let order = [barrier.from, barrier.to].map(|access| Access { stages: access.stages, ..Access::NONE });
-        add_memory(batches, order[0], order[1]);
+        if validated {
+            let order = [barrier.from, barrier.to].map(|access| Access { stages: access.stages, ..Access::NONE });
+            add_memory(batches, order[0], order[1]);
+        }
         batches.images.push(
             vk::ImageMemoryBarrier2::default()
                 .src_stage_mask(barrier.from.stages | barrier.follows.stages)

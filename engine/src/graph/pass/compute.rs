@@ -8,8 +8,8 @@ use super::{Groups, Push, What, Work};
 use crate::gpu::{self, Image, SamplerInfo};
 use crate::graph::builder::{Data, Graph};
 use crate::graph::description::{Access, Queue};
-use crate::graph::name::Name;
 use crate::graph::handle::{BufferHandle, ImageHandle};
+use crate::graph::name::Name;
 use crate::shader::{self, ConstantSlot, ReadSlot, SampledSlot, Shader, StorageSlot, UniformSlot, WriteSlot};
 
 /// A compute pass being described; [`ComputePass::dispatch`] ends it.

@@ -9,8 +9,8 @@ use crate::Result;
 use crate::gpu::{Image, QueryKind, SamplerInfo};
 use crate::graph::builder::{Data, Graph};
 use crate::graph::description::{Access, Queue};
-use crate::graph::name::Name;
 use crate::graph::handle::ImageHandle;
+use crate::graph::name::Name;
 use crate::graph::record::Recorder;
 use crate::shader::{self, ColorSlot, Program, ReadSlot, SampledSlot, StorageSlot, Targets, UniformSlot, WriteSlot};
 

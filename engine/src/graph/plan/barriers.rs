@@ -51,7 +51,7 @@ impl Pending {
 
 /// All that must be alike for cells to share a barrier.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Kind {
+pub(super) struct Kind {
     scope: Scope,
     from: Access,
     to: Access,
@@ -96,7 +96,7 @@ pub(super) fn crossings(history: &History, cells: usize, steps: usize) -> Vec<Cr
 
 /// Every barrier of every cell, and what is left to semaphores.
 pub(super) fn pending(context: &Context, placed: &Placed) -> (Vec<Pending>, Vec<Reliance>) {
-    let mut found = Found::default();
+    let mut found = Found { pending: Vec::with_capacity(context.history.len()), ..Found::default() };
     // What the contents of a cell were made visible to since they were written.
     let mut visible: Vec<Seen> = Vec::new();
     for cell in 0..context.versions.cells.len() as u32 {
@@ -296,9 +296,15 @@ fn execution(access: Access) -> Access {
     Access { stages: earliest(access.stages), ..Access::NONE }
 }
 
+/// Barriers of one resource, each with its cells.
+pub(super) type Alike = Vec<(Kind, Vec<u32>)>;
+
 /// Puts barriers of one place together: cells that share one become ranges. `pending`: all of one `at`.
-pub(super) fn together(context: &Context, pending: &[Pending], barriers: &mut Barriers) {
-    let mut alike: Vec<(Kind, Vec<u32>)> = Vec::new();
+/// `alike`: room for what is alike.
+pub(super) fn together(context: &Context, pending: &[Pending], alike: &mut Alike, barriers: &mut Barriers) {
+    let resources = pending.iter().filter(|barrier| barrier.kind.scope == Scope::Resource);
+    let images = resources.filter(|barrier| context.is_image(context.resource(barrier))).count();
+    barriers.images.reserve_exact(images);
     for chunk in pending.chunk_by(|a, b| context.resource(a) == context.resource(b)) {
         let resource = context.resource(&chunk[0]);
         let whole = context.versions.cells.of(resource).len() == 1;
@@ -309,7 +315,7 @@ pub(super) fn together(context: &Context, pending: &[Pending], barriers: &mut Ba
                 None => alike.push((barrier.kind, if whole { Vec::new() } else { vec![barrier.cell] })),
             }
         }
-        for (kind, cells) in &alike {
+        for (kind, cells) in &*alike {
             let reason = Reason {
                 hazard: kind.hazard,
                 resource: Some(resource),

@@ -21,7 +21,8 @@ pub(super) struct Event {
 
 /// Uses of all cells, by cell and time.
 pub(super) fn events(description: &Description, versions: &Versions, live: &[bool]) -> Vec<Event> {
-    let mut events = Vec::new();
+    let uses: usize = description.passes.iter().map(|pass| pass.uses.len()).sum();
+    let mut events = Vec::with_capacity(uses + description.roots.len());
     let mut add = |node: Node, version: VersionId, makes: Option<VersionId>| {
         for slot in versions.cells.slots(version.0 as usize) {
             let time = 2 * versions.epoch[slot] + u32::from(makes.is_some());

@@ -97,6 +97,11 @@ impl History {
         history
     }
 
+    /// Number of all groups.
+    pub(super) fn len(&self) -> usize {
+        self.groups.len()
+    }
+
     /// Groups of a cell, in order.
     pub(super) fn of(&self, cell: u32) -> &[Group] {
         &self.groups[self.first[cell as usize] as usize..self.first[cell as usize + 1] as usize]

@@ -189,13 +189,14 @@ fn attach(plan: &mut Plan, context: &Context, pending: &[barriers::Pending]) {
     for (index, batch) in plan.batches.iter().enumerate() {
         batch.steps.iter().for_each(|&step| batch_of[step] = index);
     }
+    let mut alike = Vec::new();
     for place in pending.chunk_by(|a, b| (a.at, a.release) == (b.at, b.release)) {
         let barriers = match (place[0].release, place[0].at.index()) {
             (true, step) => &mut plan.batches[step.map_or(0, |step| batch_of[step])].release,
             (false, Some(step)) => &mut plan.steps[step].barriers,
             (false, None) => &mut plan.finally,
         };
-        barriers::together(context, place, barriers);
+        barriers::together(context, place, &mut alike, barriers);
     }
 }
 

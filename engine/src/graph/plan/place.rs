@@ -121,7 +121,8 @@ fn lower_bound(items: &[Item]) -> u64 {
     let births = items.iter().map(|item| (item.block.steps[0], 1, item.bytes));
     let deaths = items.iter().map(|item| (item.block.steps[1] + 1, 0, item.bytes));
     let mut changes: Vec<_> = births.chain(deaths).collect();
-    changes.sort_unstable();
+    // Both are in order for most frames, and are only merged.
+    changes.sort();
     let mut alive = 0;
     changes.iter().fold(0, |most, &(_, birth, bytes)| {
         alive = if birth == 1 { alive + bytes } else { alive - bytes };

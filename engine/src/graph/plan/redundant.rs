@@ -25,6 +25,9 @@ fn is_strong(barrier: &MemoryBarrier) -> bool {
 /// Takes out memory barriers that do less than another one of the same call; not those that only order, which are
 /// judged one by one.
 fn subsumed(barriers: &mut Vec<MemoryBarrier>) {
+    if barriers.len() < 2 {
+        return;
+    }
     let mut kept: Vec<MemoryBarrier> = Vec::with_capacity(barriers.len());
     for barrier in barriers.drain(..) {
         if is_strong(&barrier) {
@@ -121,7 +124,14 @@ impl<'a> Ordered<'a> {
         };
         images.retain(|barrier| !covered(&barrier.from, &barrier.to, &barrier.ownership));
         buffers.retain(|barrier| !covered(&barrier.from, &barrier.to, &barrier.ownership));
-        let mut apply = |from: &Access, to: &Access| self.apply(&done, from.stages, to.stages, step);
+        let mut applied = Default::default();
+        let mut apply = |from: &Access, to: &Access| {
+            let stages = (from.stages, to.stages);
+            // Most barriers of a call order alike, and nothing comes of the second.
+            if std::mem::replace(&mut applied, stages) != stages {
+                self.apply(&done, from.stages, to.stages, step);
+            }
+        };
         images.iter().for_each(|barrier| apply(&barrier.from, &barrier.to));
         buffers.iter().for_each(|barrier| apply(&barrier.from, &barrier.to));
         memory.iter().filter(|barrier| is_strong(barrier)).for_each(|barrier| apply(&barrier.from, &barrier.to));

@@ -141,15 +141,25 @@ pub(super) const KINDS: &[Kind] = &[
     },
 ];
 
+/// Every access of images, and every one of buffers.
+pub(super) const ON_IMAGES: Mask = all_on(true);
+pub(super) const ON_BUFFERS: Mask = all_on(false);
+
+const fn all_on(images: bool) -> Mask {
+    let (mut all, mut index) = (0, 0);
+    while index < KINDS.len() {
+        let kind = &KINDS[index];
+        let usage = if images { kind.image.as_raw() } else { kind.buffer.as_raw() };
+        all |= if usage == 0 { 0 } else { kind.mask.as_raw() };
+        index += 1;
+    }
+    Mask::from_raw(all)
+}
+
 impl Kind {
     /// The image usage it needs.
     pub(super) fn usage(&self) -> ImageUsage {
         self.image
-    }
-
-    /// Whether it works on images, and whether on buffers.
-    pub(super) fn on(&self) -> (bool, bool) {
-        (!self.image.is_empty(), !self.buffer.is_empty())
     }
 }
 

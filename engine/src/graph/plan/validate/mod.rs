@@ -37,8 +37,9 @@ pub(super) fn validate(
 
     // 4. Passes, use by use and two by two.
     let allowed = allowed(description, device);
+    let mut fine = uses::Fine::default();
     for pass in &description.passes {
-        uses::pass(&mut errors, &versions, pass, &allowed);
+        uses::pass(&mut errors, &versions, pass, &allowed, &mut fine);
         uses::pairs(&mut errors, &versions, pass);
     }
 

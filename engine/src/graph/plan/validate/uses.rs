@@ -2,15 +2,27 @@
 
 use ash::vk::{self, AccessFlags2 as Mask, PipelineStageFlags2 as Stages};
 
+use rustc_hash::FxHashSet;
+
 use super::{Errors, Place};
-use crate::graph::description::{ImageShape, Pass, Queue, Range, Shape, Use};
+use crate::graph::description::{Access, ImageShape, Pass, Queue, Range, Shape, Use};
 use crate::graph::errors::ErrorKind;
 use crate::graph::plan::Usage;
-use crate::graph::plan::usage::{COMPUTE_STAGES, KINDS, Kind, TRANSFER_STAGES, usage_of};
+use crate::graph::plan::usage::{COMPUTE_STAGES, KINDS, Kind, ON_BUFFERS, ON_IMAGES, TRANSFER_STAGES, usage_of};
 use crate::graph::plan::versions::Versions;
 
+/// Accesses that were looked at and are fine, with all that this depends on: most passes do what others do. `None`: of a
+/// buffer.
+pub(super) type Fine = FxHashSet<(Access, bool, Queue, Option<(vk::ImageAspectFlags, vk::ImageUsageFlags)>)>;
+
 /// A pass does something, and each of its uses can be.
-pub(super) fn pass(errors: &mut Errors, versions: &Versions, pass: &Pass, allowed: &[vk::ImageUsageFlags]) {
+pub(super) fn pass(
+    errors: &mut Errors,
+    versions: &Versions,
+    pass: &Pass,
+    allowed: &[vk::ImageUsageFlags],
+    fine: &mut Fine,
+) {
     if pass.uses.is_empty() && pass.side_effect.is_none() {
         let allowed = "it reads or writes something, or has a side effect";
         errors.add(ErrorKind::EmptyPass, Place::pass(pass), "uses nothing", allowed);
@@ -31,15 +43,26 @@ pub(super) fn pass(errors: &mut Errors, versions: &Versions, pass: &Pass, allowe
             let allowed = "join the unordered writers first";
             errors.add(ErrorKind::BadFork, place, "reads the version of one unordered writer", allowed);
         }
+        let allowed = allowed[version.resource.0 as usize];
+        let image_of = match (&errors.description.resources[version.resource.0 as usize].shape, version.range) {
+            (Shape::Image(shape), Range::Image { aspects, .. }) => Some((shape, aspects)),
+            _ => None,
+        };
+        let key = (used.access, used.makes.is_some(), pass.queue, image_of.map(|(_, aspects)| (aspects, allowed)));
+        if fine.contains(&key) {
+            continue;
+        }
+        let before = errors.list.len();
         writes(errors, place, used);
-        match (&errors.description.resources[version.resource.0 as usize].shape, version.range) {
-            (Shape::Image(shape), Range::Image { aspects, .. }) => {
-                image(errors, place, shape, aspects, used, allowed[version.resource.0 as usize]);
-            }
-            _ => buffer(errors, place, used),
+        match image_of {
+            Some((shape, aspects)) => image(errors, place, shape, aspects, used, allowed),
+            None => buffer(errors, place, used),
         }
         stages(errors, place, used);
         queue(errors, place, pass.queue, used);
+        if errors.list.len() == before {
+            fine.insert(key);
+        }
     }
 }
 
@@ -90,7 +113,7 @@ fn image(
     allowed: vk::ImageUsageFlags,
 ) {
     let format = shape.format;
-    for kind in kinds(errors, place, used, |kind| kind.on().0, "an image") {
+    for kind in kinds(errors, place, used, ON_IMAGES, "an image") {
         if !kind.aspects.contains(aspects) {
             let wrong = format!("{:?} on aspects {aspects:?} of format {format:?}", kind.mask);
             errors.add(ErrorKind::WrongUsage, place, wrong, format!("it works on {:?}", kind.aspects));
@@ -110,19 +133,18 @@ fn image(
 }
 
 fn buffer(errors: &mut Errors, place: Place, used: &Use) {
-    let _ = kinds(errors, place, used, |kind| kind.on().1, "a buffer");
+    let _ = kinds(errors, place, used, ON_BUFFERS, "a buffer");
 }
 
-/// What the mask asks for, where the kind of resource allows it.
+/// What the mask asks for, where the kind of resource allows it: `all`.
 fn kinds(
     errors: &mut Errors,
     place: Place,
     used: &Use,
-    fits: fn(&Kind) -> bool,
+    all: Mask,
     what: &str,
 ) -> impl Iterator<Item = &'static Kind> + use<> {
     let mask = used.access.mask;
-    let all = KINDS.iter().filter(|kind| fits(kind)).fold(Mask::NONE, |all, kind| all | kind.mask);
     let odd = mask & !all;
     if !odd.is_empty() || mask.is_empty() {
         let wrong = if odd.is_empty() { "uses nothing of".into() } else { format!("{odd:?} on") };
