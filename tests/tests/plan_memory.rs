@@ -17,7 +17,7 @@ fn planned(description: &Description, device: &MadeUpDevice) -> Plan {
 /// Name, heap, first byte, end, first and last step of every transient.
 fn map(draft: &Draft, plan: &Plan) -> Vec<(String, usize, [u64; 2], [usize; 2])> {
     let name = |placement: &shadowgraph::graph::plan::Placement| {
-        draft.description.resources[placement.resource.0 as usize].name.clone()
+        draft.description.resources[placement.resource.0 as usize].name.to_string()
     };
     let bytes = |p: &shadowgraph::graph::plan::Placement| [p.offset, p.offset + p.size];
     plan.placements.iter().map(|p| (name(p), p.heap, bytes(p), p.steps)).collect()

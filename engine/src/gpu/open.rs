@@ -8,7 +8,7 @@ use ash::vk;
 use super::device::{Device, Owned, Parts};
 use super::features::Features;
 use super::select::Candidate;
-use super::{Gpu, GpuOptions, Messages, RawGpu, instance, select};
+use super::{Gpu, GpuOptions, Messages, RawGpu, Validation, instance, select};
 use crate::{Error, Result};
 
 impl Gpu {

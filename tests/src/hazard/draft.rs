@@ -31,7 +31,7 @@ impl Draft {
     pub fn resource(&mut self, name: &str, shape: Shape, origin: Origin) -> VersionId {
         let resource = ResourceId(self.description.resources.len() as u32);
         let range = shape.whole();
-        self.description.resources.push(Resource { name: name.into(), shape, origin });
+        self.description.resources.push(Resource { name: name.to_owned().into(), shape, origin });
         self.version(resource, range, Source::Initial)
     }
 
@@ -83,7 +83,7 @@ impl Draft {
         let mut draft = PassDraft { description: &mut self.description, pass, uses: Vec::new() };
         let result = uses(&mut draft);
         let uses = draft.uses;
-        self.description.passes.push(Pass { name: name.into(), queue, uses, side_effect: None });
+        self.description.passes.push(Pass { name: name.to_owned().into(), queue, uses: uses.into(), side_effect: None });
         result
     }
 

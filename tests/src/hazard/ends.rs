@@ -32,7 +32,7 @@ impl Replay<'_> {
                 if matches!(resource.shape, Shape::Image(_)) && part.layout != after.layout {
                     wrong.push(format!("`{name}` is left in layout {:?}, not {:?}", part.layout, after.layout));
                 }
-                let used = Use { slot: String::new(), version: VersionId(0), makes: None, reads: true, access: after };
+                let used = Use { slot: "".into(), version: VersionId(0), makes: None, reads: true, access: after };
                 let read = part.records.iter().any(|record| record.kind == Kind::Read);
                 for stage in each(single(after.stages)) {
                     let records = part.records.iter();

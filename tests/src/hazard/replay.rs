@@ -306,7 +306,7 @@ impl<'a> Replay<'a> {
             Work::ReadBack(root) => {
                 let version = description.roots[root].version;
                 let used = Use {
-                    slot: String::new(),
+                    slot: "".into(),
                     version,
                     makes: None,
                     reads: true,
