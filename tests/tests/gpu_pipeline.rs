@@ -6,8 +6,8 @@ mod gpu_support;
 use ash::vk;
 use gpu_support::{binding, buffer, finish, full_barrier, gpu, output, read_image, shader, transition};
 use shadowgraph::gpu::{
-    ColorTarget, Commands, Constant, DepthState, Descriptor, Feature, Gpu, GraphicsPipelineInfo, Image, ImageInfo,
-    Memory, Pipeline, QueryKind, SamplerInfo, VertexAttribute, VertexBuffer, blend,
+    Buffer, ColorTarget, Commands, Constant, DepthState, Descriptor, Feature, Gpu, GraphicsPipelineInfo, Image,
+    ImageInfo, Memory, Pipeline, QueryKind, SamplerInfo, VertexAttribute, VertexBuffer, blend,
 };
 use shadowgraph::shader::{Binding, BindingKind, ImageType, Input, Output, OutputScalar, Shader, ShaderAccess, Stage};
 
@@ -85,6 +85,66 @@ fn a_compute_pipeline_computes() {
     drop((source, target, descriptors));
     assert_eq!(gpu.live_objects().iter().filter(|o| o.starts_with("buffer")).count(), 2);
     drop((set, arena, pipeline));
+    finish(gpu);
+}
+
+#[test]
+fn sets_are_kept_by_what_they_hold() {
+    let gpu = gpu();
+    let pipeline = gpu.compute_pipeline("scale", scale(), &[(5, Constant::U32(2))]).unwrap();
+    let target = buffer(&gpu, "target", 256, STORAGE, Memory::Readback);
+    let make = |value: i32| {
+        let source = buffer(&gpu, "source", 256, STORAGE, Memory::Upload);
+        source.write(0, bytemuck::cast_slice(&[value; 64])).unwrap();
+        source
+    };
+    let holds = |source: &Buffer| [(0, Descriptor::buffer(source)), (3, Descriptor::buffer(&target))];
+    let mut cache = gpu.descriptor_cache("frames");
+    let first = make(1);
+    cache.begin_frame();
+    let set = cache.set(&pipeline, 0, &holds(&first)).unwrap();
+    let second = make(2);
+    assert_ne!(cache.set(&pipeline, 0, &holds(&second)).unwrap(), set);
+    assert_eq!(cache.set(&pipeline, 0, &holds(&first)).unwrap(), set);
+    cache.begin_frame();
+    assert_eq!(cache.set(&pipeline, 0, &holds(&first)).unwrap(), set);
+
+    // It is no set of another pipeline, which may ask for more: this one reads more than there is.
+    static LARGE: [Binding; 2] = [
+        Binding { size: 4096, ..binding(0, "source", BindingKind::StorageBuffer, ShaderAccess::Read) },
+        binding(3, "target", BindingKind::StorageBuffer, ShaderAccess::Write),
+    ];
+    let large: &'static Shader = Box::leak(Box::new(Shader { bindings: &LARGE, ..*scale() }));
+    let other = gpu.compute_pipeline("large", large, &[]).unwrap();
+    let text = cache.set(&other, 0, &holds(&first)).unwrap_err().to_string();
+    assert!(text.contains("fewer than the shader's 4096"), "{text}");
+
+    // Vulkan's handles come again; what has another object behind it is found anew.
+    let handle = first.raw();
+    drop(first);
+    let mut again = 0;
+    for round in 3..30 {
+        let source = make(round);
+        again += u32::from(source.raw() == handle);
+        cache.begin_frame();
+        let set = cache.set(&pipeline, 0, &holds(&source)).unwrap();
+        let commands = gpu.commands("compute").unwrap();
+        bind(&commands, &pipeline, set);
+        // SAFETY: a pipeline and its set are bound.
+        unsafe { gpu.raw().cmd_dispatch(commands.raw(), 1, 1, 1) };
+        gpu.wait(gpu.submit(commands).unwrap()).unwrap();
+        let got: Vec<i32> = bytemuck::pod_collect_to_vec(&target.read().unwrap());
+        assert_eq!(got, (0..64).map(|i| round * 2 + i).collect::<Vec<_>>());
+    }
+    println!("{again} of 27 buffers had the handle of one that was gone");
+
+    // Sets that were not used for some frames are used for others.
+    for _ in 0..10 {
+        cache.begin_frame();
+    }
+    let sets: Vec<_> = (0..4).map(|value| cache.set(&pipeline, 0, &holds(&make(value))).unwrap()).collect();
+    assert!(sets.contains(&set), "{set:?} is not among {sets:?}");
+    drop((second, target, cache, pipeline, other));
     finish(gpu);
 }
 

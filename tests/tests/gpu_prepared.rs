@@ -61,6 +61,55 @@ fn a_prepared_frame_runs_again_with_other_push_constants() {
 }
 
 #[test]
+fn a_frame_described_alike_takes_the_same_plan() {
+    isolated_device("a_frame_described_alike_takes_the_same_plan", |gpu| {
+        let added = Cell::new(0);
+        let mut executor = Executor::new(gpu);
+        let mut last = None;
+        for (run, more) in [(1, false), (5, false), (9, true), (13, true), (2, false)] {
+            added.set(run);
+            let mut graph = executor.graph("frame");
+            describe(&mut graph, &added);
+            if more {
+                let image = graph.image("more", SHAPE);
+                let image = graph.clear("clear more", image, vk::ClearColorValue { uint32: [run, 0, 0, 0] });
+                graph.capture("more", &image);
+            }
+            let plan = executor.plan(&graph).unwrap();
+            assert_eq!(*plan, graph.compile(gpu).unwrap());
+            let same = last.replace((more, plan.clone())).is_some_and(|(_, last)| std::sync::Arc::ptr_eq(&last, &plan));
+            assert_eq!(same, run == 5 || run == 13, "run {run}");
+            let executed = executor.execute(&plan, graph).unwrap();
+            let texels = executed.capture("result").unwrap().texels::<u32>().unwrap();
+            assert_eq!(texels, vec![7 + 5 * run + 10; 256]);
+            if more {
+                assert_eq!(executed.capture("more").unwrap().texels::<u32>().unwrap(), vec![run; 256]);
+            }
+        }
+    });
+}
+
+#[test]
+fn a_plan_found_again_has_the_mistakes_of_its_own_frame() {
+    isolated_device("a_plan_found_again_has_the_mistakes_of_its_own_frame", |gpu| {
+        let added = Cell::new(1);
+        let mut executor = Executor::new(gpu);
+        let mut graph = executor.graph("frame");
+        describe(&mut graph, &added);
+        let plan = executor.plan(&graph).unwrap();
+        executor.execute(&plan, graph).unwrap();
+        let mut graph = executor.graph("frame");
+        describe(&mut graph, &added);
+        // The description is the same; what the typed layer saw is not.
+        let mut other = Graph::new("other", gpu.caps());
+        let image = other.image("image", SHAPE);
+        graph.compute("half", &chain::SHADER).read(chain::FROM, &image);
+        let text = executor.plan(&graph).unwrap_err().to_string();
+        assert!(text.contains("handle of another graph"), "{text}");
+    });
+}
+
+#[test]
 fn frames_that_depend_on_the_last_one_are_refused() {
     isolated_device("frames_that_depend_on_the_last_one_are_refused", |gpu| {
         let mut executor = Executor::new(gpu);

@@ -83,7 +83,12 @@ impl Draft {
         let mut draft = PassDraft { description: &mut self.description, pass, uses: Vec::new() };
         let result = uses(&mut draft);
         let uses = draft.uses;
-        self.description.passes.push(Pass { name: name.to_owned().into(), queue, uses: uses.into(), side_effect: None });
+        self.description.passes.push(Pass {
+            name: name.to_owned().into(),
+            queue,
+            uses: uses.into(),
+            side_effect: None,
+        });
         result
     }
 

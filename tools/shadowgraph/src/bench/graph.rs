@@ -57,7 +57,7 @@ impl Shape {
         let (last, expected) = match self {
             Self::Chain => {
                 let mut last = start;
-                for number in 0..passes {
+                for number in 0..passes as u32 {
                     last = add(graph, number, &last, shape, added);
                 }
                 (last, passes as u32 * added.get())
@@ -66,7 +66,7 @@ impl Shape {
                 // Leaves and joins: a tree of `n` passes has about `n / 2` leaves.
                 let leaves = passes.div_ceil(2).max(1);
                 let mut level: Vec<ImageHandle> = Vec::with_capacity(leaves);
-                for number in 0..leaves {
+                for number in 0..leaves as u32 {
                     level.push(add(graph, number, &start, shape, added));
                 }
                 let mut joins = 0..;
@@ -91,22 +91,22 @@ impl Shape {
 
 fn add<'f>(
     graph: &mut Graph<'f>,
-    number: usize,
+    number: u32,
     from: &ImageHandle,
     shape: ImageShape,
     added: &'f Cell<u32>,
 ) -> ImageHandle {
-    let to = graph.image(format!("sum {number}"), shape);
-    let mut pass = graph.compute(format!("add {number}"), &chain::SHADER);
+    let to = graph.image(("sum", number), shape);
+    let mut pass = graph.compute(("add", number), &chain::SHADER);
     pass.read(chain::FROM, from).push_with(|| added.get());
     let to = pass.write(chain::TO, to);
     pass.dispatch([SIZE[0], SIZE[1], 1]);
     to
 }
 
-fn sum(graph: &mut Graph, number: usize, left: &ImageHandle, right: &ImageHandle, shape: ImageShape) -> ImageHandle {
-    let to = graph.image(format!("both {number}"), shape);
-    let mut pass = graph.compute(format!("join {number}"), &join::SHADER);
+fn sum(graph: &mut Graph, number: u32, left: &ImageHandle, right: &ImageHandle, shape: ImageShape) -> ImageHandle {
+    let to = graph.image(("both", number), shape);
+    let mut pass = graph.compute(("join", number), &join::SHADER);
     pass.read(join::LEFT, left).read(join::RIGHT, right);
     let to = pass.write(join::SUM, to);
     pass.dispatch([SIZE[0], SIZE[1], 1]);
@@ -128,7 +128,7 @@ fn measure(gpu: &Gpu, shape: Shape, passes: usize, runs: usize) -> Result<Vec<Fi
     for run in 0..=runs {
         added.set(run as u32 + 1);
         let began = Instant::now();
-        let mut graph = Graph::new("bench", gpu.caps());
+        let mut graph = executor.graph("bench");
         let expected = shape.describe(&mut graph, passes, &added);
         let described = began.elapsed();
         let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
@@ -146,7 +146,23 @@ fn measure(gpu: &Gpu, shape: Shape, passes: usize, runs: usize) -> Result<Vec<Fi
         rebuilding.push(total.as_secs_f64());
     }
 
-    // 2. A frame made ready once, with other push constants each time.
+    // 2. The frame is described anew each time, and takes the plan of the last one.
+    let mut again = Vec::new();
+    for run in 0..=runs {
+        added.set(run as u32 + 1);
+        let began = Instant::now();
+        let mut graph = executor.graph("bench");
+        let expected = shape.describe(&mut graph, passes, &added);
+        let plan = executor.plan(&graph).map_err(shadowgraph::Error::from)?;
+        let planned = began.elapsed();
+        let executed = executor.execute(&plan, graph)?;
+        check(&executed, expected)?;
+        if run > 0 {
+            again.push((planned + executed.recording).as_secs_f64());
+        }
+    }
+
+    // 3. A frame made ready once, with other push constants each time.
     let mut graph = Graph::new("bench", gpu.caps());
     shape.describe(&mut graph, passes, &added);
     let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
@@ -167,6 +183,7 @@ fn measure(gpu: &Gpu, shape: Shape, passes: usize, runs: usize) -> Result<Vec<Fi
         ("describe", per_pass(describing), "us/pass"),
         ("plan", per_pass(planning), "us/pass"),
         ("rebuild, all", per_pass(rebuilding), "us/pass"),
+        ("rebuild, same plan", per_pass(again), "us/pass"),
         ("record, steady", per_pass(recording), "us/pass"),
         ("first frame", first * 1e3, "ms"),
         ("transient memory", bytes as f64 / 1024.0, "KiB"),
