@@ -147,14 +147,16 @@ impl Device {
         self.check_lost()?;
         self.collect();
         let free = lock(&self.state).free.pop();
-        let mut recorder = match free {
-            Some(recorder) => recorder,
-            None => self.make_recorder()?,
+        let (mut recorder, is_new) = match free {
+            Some(recorder) => (recorder, false),
+            None => (self.make_recorder()?, true),
         };
-        recorder.passes.clear();
-        if let Some(bytes) = recorder.crumbs.allocation.as_mut().and_then(|a| a.mapped_slice_mut()) {
+        if (is_new || !recorder.passes.is_empty())
+            && let Some(bytes) = recorder.crumbs.allocation.as_mut().and_then(|a| a.mapped_slice_mut())
+        {
             bytes.fill(0);
         }
+        recorder.passes.clear();
         let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: the pool is ours and the device is done with its buffer.
         let begun = unsafe {

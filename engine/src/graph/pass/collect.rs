@@ -24,6 +24,16 @@ pub(super) struct Collected {
     pub(super) counted: Vec<QueryKind>,
 }
 
+/// A binding that shaders of a pass have.
+struct Found {
+    /// As the first of them has it.
+    binding: &'static Binding,
+    /// What all of them do to it.
+    access: ShaderAccess,
+    /// Those that see it.
+    stages: vk::PipelineStageFlags2,
+}
+
 /// Shaders of a pass.
 pub(super) enum Shaders {
     One(&'static Shader),
@@ -56,20 +66,20 @@ impl Collected {
         Self { pass, name, shaders, first_bound, counted: Vec::new() }
     }
 
-    /// The binding as this pass's shaders have it together, with the stages that see it. A slot that none of them has is
-    /// a mistake.
-    pub(super) fn find(&self, graph: &mut Graph, slot: &Binding) -> Option<(Binding, vk::PipelineStageFlags2)> {
-        let mut found: Option<(Binding, vk::PipelineStageFlags2)> = None;
+    /// The binding as this pass's shaders have it together. A slot that none of them has is a mistake.
+    fn find(&self, graph: &mut Graph, slot: &Binding) -> Option<Found> {
+        let mut found: Option<Found> = None;
         for shader in self.shaders.all() {
             let same = |binding: &&Binding| binding.set == 0 && binding.binding == slot.binding;
             let Some(binding) = shader.bindings.iter().find(same) else { continue };
-            let (known, stages) = found.get_or_insert((*binding, vk::PipelineStageFlags2::NONE));
-            *stages |= stage(shader.stage);
+            let stages = vk::PipelineStageFlags2::NONE;
+            let known = found.get_or_insert(Found { binding, access: binding.access, stages });
+            known.stages |= stage(shader.stage);
             if known.access != binding.access {
                 known.access = ShaderAccess::ReadWrite;
             }
         }
-        let found = found.filter(|(binding, _)| slot.set == 0 && binding.name == slot.name);
+        let found = found.filter(|found| slot.set == 0 && found.binding.name == slot.name);
         if found.is_none() {
             let known: Vec<_> = self.shaders.bindings().map(|(b, _)| format!("`{}`", b.name)).collect();
             let wrong = "is bound, but the pass's shaders do not have it".into();
@@ -79,13 +89,13 @@ impl Collected {
     }
 
     pub(super) fn constant(&self, graph: &mut Graph, slot: &Binding, what: What) {
-        if let Some((binding, _)) = self.find(graph, slot) {
+        if let Some(Found { binding, .. }) = self.find(graph, slot) {
             graph.bound.push(Bound { binding: binding.binding, what });
         }
     }
 
     pub(super) fn read<H: Handle>(&self, graph: &mut Graph, slot: &Binding, handle: &H, sampler: SamplerInfo) {
-        let Some((binding, stages)) = self.find(graph, slot) else { return };
+        let Some(Found { binding, stages, .. }) = self.find(graph, slot) else { return };
         let access = match binding.kind {
             BindingKind::UniformBuffer => Access::uniform(stages),
             BindingKind::StorageBuffer => Access::storage_buffer_read(stages),
@@ -102,16 +112,16 @@ impl Collected {
     }
 
     pub(super) fn write<H: Handle>(&self, graph: &mut Graph, slot: &Binding, handle: H) -> H {
-        let Some((binding, stages)) = self.find(graph, slot) else { return handle };
+        let Some(Found { binding, access, stages }) = self.find(graph, slot) else { return handle };
         let image = binding.kind == BindingKind::StorageImage;
-        let access = match (image, binding.access) {
+        // A shader that only stores may store less than all: what was there before stays, unless nothing was.
+        let reads = access == ShaderAccess::ReadWrite || !graph.is_undefined(&handle);
+        let access = match (image, access) {
             (true, ShaderAccess::ReadWrite) => Access::storage_image_read_write(stages),
             (true, _) => Access::storage_image_write(stages),
             (false, ShaderAccess::ReadWrite) => Access::storage_buffer_read_write(stages),
             (false, _) => Access::storage_buffer_write(stages),
         };
-        // A shader that only stores may store less than all: what was there before stays, unless nothing was.
-        let reads = binding.access == ShaderAccess::ReadWrite || !graph.is_undefined(&handle);
         let what = What::Resource {
             resource: handle.resource(),
             range: handle.range(),

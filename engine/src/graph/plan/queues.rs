@@ -93,6 +93,10 @@ pub(super) struct Reliance {
 /// Puts steps together: a batch ends behind a step that another queue waits for, and begins before one that waits.
 /// Where there are `takers`, a batch of graphics goes first, to give imported resources to these steps.
 pub(super) fn batches(schedule: &Schedule, mut crossings: Vec<Crossing>, takers: &[usize]) -> Vec<Batch> {
+    if takers.is_empty() && schedule.queues.iter().all(|queue| *queue == Queue::Graphics) {
+        let (steps, waits, release) = ((0..schedule.nodes.len()).collect(), Vec::new(), Barriers::default());
+        return vec![Batch { queue: Queue::Graphics, steps, waits, release, signal: 1 }];
+    }
     crossings.sort_unstable();
     crossings.dedup();
     let steps = schedule.nodes.len();
