@@ -101,3 +101,41 @@ fn nearest(p: DVec3, &[a, b, c]: &[DVec3; 3]) -> DVec3 {
 pub fn volume(triangles: &[[DVec3; 3]]) -> f64 {
     triangles.iter().map(|[a, b, c]| a.dot(b.cross(*c)) / 6.0).sum()
 }
+
+/// Whether a triangle and a closed box touch: some point is in both. By separating axes (Gottschalk et al. 1996).
+pub fn touches(triangle: &[DVec3; 3], center: DVec3, half: f64) -> bool {
+    let corners = triangle.map(|p| p - center);
+    let edges = [0, 1, 2].map(|i| corners[(i + 1) % 3] - corners[i]);
+    let boxes = [DVec3::X, DVec3::Y, DVec3::Z];
+    let across = edges.iter().flat_map(|edge| boxes.map(|axis| edge.cross(axis)));
+    let mut axes = boxes.into_iter().chain([edges[0].cross(edges[1])]).chain(across);
+    axes.all(|axis| {
+        let along = corners.map(|p| p.dot(axis));
+        let radius = half * (axis.x.abs() + axis.y.abs() + axis.z.abs());
+        let least = along.into_iter().fold(f64::INFINITY, f64::min);
+        let most = along.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        least <= radius && most >= -radius
+    })
+}
+
+/// Voxels whose closed boxes, grown by `margin` voxels on every side, one of the triangles touches; `[z][y][x]`.
+pub fn touched(triangles: &[[DVec3; 3]], size: [u32; 3], margin: f64) -> Vec<bool> {
+    let [nx, ny, nz] = size.map(|n| n as usize);
+    let half = 0.5 + margin;
+    let mut set = vec![false; nx * ny * nz];
+    for triangle in triangles {
+        let range = |axis: usize, n: usize| {
+            let values = triangle.map(|p| p[axis]);
+            let least = values.into_iter().fold(f64::INFINITY, f64::min) - 0.5 - half;
+            let most = values.into_iter().fold(f64::NEG_INFINITY, f64::max) - 0.5 + half;
+            least.floor().clamp(0.0, n as f64) as usize..(most.ceil() + 1.0).clamp(0.0, n as f64) as usize
+        };
+        for (z, y, x) in range(2, nz).flat_map(|z| range(1, ny).flat_map(move |y| range(0, nx).map(move |x| (z, y, x))))
+        {
+            let voxel = &mut set[(z * ny + y) * nx + x];
+            let center = DVec3::new(x as f64, y as f64, z as f64) + 0.5;
+            *voxel = *voxel || touches(triangle, center, half);
+        }
+    }
+    set
+}

@@ -40,7 +40,7 @@ pub enum Command {
     Capture(CaptureArguments),
     /// Show the render graph of a frame: passes, resources, barriers
     Graph(GraphArguments),
-    /// Turn a scene's solids into a grid of voxels and write it
+    /// Turn a scene's solids or surfaces into a grid of voxels and write it
     Voxelize(VoxelizeArguments),
     /// Show the device, its driver, and what they can do
     Info(InfoArguments),
@@ -197,7 +197,8 @@ pub enum GraphFormat {
 /// Arguments of `voxelize`.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "\
-Writes a NumPy array of bytes, indexed [z,y,x], 1 where a voxel's centre is inside a solid, and beside it a .json file \
+Writes a NumPy array of bytes, indexed [z,y,x], 1 where a voxel's centre is inside a solid (bitmask) or a triangle \
+touches the voxel (conservative), and beside it a .json file \
 that says where the voxels are: voxel (i,j,k) has its centre at min + (i+1/2, j+1/2, k+1/2) * voxel_edge.
 
 Examples:
@@ -249,6 +250,8 @@ pub enum AxisName {
 pub enum VoxelMethod {
     /// Solids, by XOR of column bits.
     Bitmask,
+    /// Surfaces: every voxel that a triangle touches.
+    Conservative,
 }
 
 /// Arguments of `info`.
@@ -270,6 +273,7 @@ Benchmarks:
            compilation, rendering, read-back, writing; cold (no compiled shaders on disk) and warm
   graph    chains and trees of 10 to 10 000 small passes: describing, planning, recording, memory
   write    writing of captures, by compression; needs no device
+  voxelize voxels of spheres, from triangles in memory to bits in memory, uploads and read-back included
 
 Examples:
   shadowgraph bench
@@ -301,6 +305,8 @@ pub enum BenchName {
     Graph,
     /// Writing files.
     Write,
+    /// Voxels.
+    Voxelize,
 }
 
 #[cfg(test)]

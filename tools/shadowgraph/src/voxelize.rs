@@ -1,4 +1,4 @@
-//! `voxelize`: turns a scene's solids into a grid of voxels.
+//! `voxelize`: turns a scene's solids or surfaces into a grid of voxels.
 
 use std::io::Write as _;
 use std::time::Instant;
@@ -9,6 +9,7 @@ use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::{GpuScene, Scene};
 use shadowgraph::techniques::voxel::bitmask::Bitmask;
+use shadowgraph::techniques::voxel::conservative::Conservative;
 use shadowgraph::techniques::voxel::{Axis, Grid, Voxels};
 
 use crate::cli::{AxisName, VoxelMethod, VoxelizeArguments};
@@ -58,10 +59,10 @@ pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
     if arguments.min.is_none() && (x != y || y != z) {
         return Err(Failure::input("a --resolution of three numbers needs --min and --edge"));
     }
-    // 1. A scene of closed surfaces, or a warning.
+    // 1. A scene of closed surfaces, or a warning where solids are wanted.
     let scene = session::scene(&arguments.scene)?;
     let open_meshes = open_meshes(&scene);
-    for (name, edges) in &open_meshes {
+    for (name, edges) in open_meshes.iter().filter(|_| arguments.method == VoxelMethod::Bitmask) {
         log::warn!("mesh `{name}` is not closed ({edges} open edges): columns behind its holes are wrong");
     }
     // 2. Its voxels. All that holds on to the device goes before the device.
@@ -78,6 +79,7 @@ pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
         scene: arguments.scene.to_string(),
         method: match arguments.method {
             VoxelMethod::Bitmask => "bitmask",
+            VoxelMethod::Conservative => "conservative",
         },
         axis: ["x", "y", "z"][axis(arguments.axis) as usize],
         resolution: grid.size(),
@@ -132,6 +134,7 @@ fn voxelize(arguments: &VoxelizeArguments, gpu: &Gpu, scene: &GpuScene) -> Resul
         VoxelMethod::Bitmask => {
             Bitmask { axis: axis(arguments.axis), ..Bitmask::default() }.record(&mut graph, scene, &grid)?
         }
+        VoxelMethod::Conservative => Conservative { axis: axis(arguments.axis) }.record(&mut graph, scene, &grid)?,
     };
     graph.capture("voxels", &found.bits);
     let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;

@@ -77,7 +77,7 @@ fn help_is_no_failure_and_bad_usage_is() {
     is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--size", "0x9"], "1280x720");
     is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--eye", "1,2"], "three finite numbers");
     is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--compression", "lzw"], "piz");
-    is_refused(&["bench", "nothing"], "capture, graph, write");
+    is_refused(&["bench", "nothing"], "capture, graph, write, voxelize");
 }
 
 #[test]
@@ -336,6 +336,10 @@ fn voxels_are_written_with_what_they_mean() {
     let grid = ["--resolution", "8,4,2", "--min", "-1,0,-1", "--edge", "2", "-o", "part.npy"];
     let output = succeeds(&folder, &[&["voxelize", "builtin:cornell"], &grid[..]].concat());
     assert!(stdout(&output).contains("8×4×2") && stderr(&output).contains("is not closed"), "{output:?}");
+
+    // Surfaces need not be closed.
+    let surface = ["voxelize", "builtin:cornell", "--method", "conservative", "--resolution", "16", "-o", "walls.npy"];
+    assert_eq!(stderr(&succeeds(&folder, &surface)).matches("warn").count(), 0);
 
     let voxelize = |more: &[&'static str]| [&["voxelize", "builtin:cornell", "-o", "o.npy"], more].concat();
     is_refused(&voxelize(&["--resolution", "0"]), "1 to 1024");

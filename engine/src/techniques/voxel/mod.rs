@@ -2,6 +2,7 @@
 //! into the bits of one regular grid, by the conventions of [`Grid`].
 
 pub mod bitmask;
+pub mod conservative;
 mod grid;
 
 pub use grid::{Axis, Grid, MAX_RESOLUTION, VoxelBits, Voxels};
