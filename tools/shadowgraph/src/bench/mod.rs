@@ -2,6 +2,7 @@
 
 mod capture;
 mod graph;
+mod voxelize;
 mod write;
 
 use std::time::Duration;
@@ -37,6 +38,7 @@ pub fn run(arguments: &BenchArguments) -> Result<()> {
                 BenchName::Capture => capture::run(arguments, &mut tell)?,
                 BenchName::Graph => graph::run(arguments, &mut tell)?,
                 BenchName::Write => write::run(arguments, &mut tell)?,
+                BenchName::Voxelize => voxelize::run(arguments, &mut tell)?,
             }
         }
     }
