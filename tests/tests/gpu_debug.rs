@@ -59,7 +59,7 @@ impl Add {
     }
 
     fn record(&self, graph: &mut Graph, name: &str, from: &BufferHandle, to: BufferHandle, step: u32) -> BufferHandle {
-        let mut pass = graph.compute(name.to_owned(), self.shader);
+        let mut pass = graph.compute(name, self.shader);
         pass.uniform(self.step, &step).read(self.previous, from);
         let to = pass.write(self.next, to);
         pass.dispatch([100, 1, 1]);

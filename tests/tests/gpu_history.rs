@@ -42,7 +42,7 @@ impl Accumulate {
 
     fn record(&self, graph: &mut Graph, name: &str, previous: &ImageHandle, next: ImageHandle) -> ImageHandle {
         let [width, height] = next.size();
-        let mut pass = graph.compute(name.to_owned(), self.shader);
+        let mut pass = graph.compute(name, self.shader);
         pass.read(self.previous, previous);
         let next = pass.write(self.next, next);
         pass.dispatch([width, height, 1]);

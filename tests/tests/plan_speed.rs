@@ -131,7 +131,10 @@ fn planning_time_is_not_quadratic() {
     }
 }
 
-const SHAPES: [(&str, fn(usize) -> Draft); 2] = [("chain", chain), ("tree", tree)];
+/// Makes a graph of so many passes.
+type Make = fn(usize) -> Draft;
+
+const SHAPES: [(&str, Make); 2] = [("chain", chain), ("tree", tree)];
 
 /// CPU time of this thread.
 fn cpu_time() -> Duration {

@@ -140,18 +140,13 @@ impl<'f> Graph<'f> {
             samples: info.samples,
         };
         let external = External::Image(image.clone());
-        self.new_image(image.name().to_owned().into(), shape, Origin::Imported { before, after }, Some(external))
+        self.new_image(image.name().into(), shape, Origin::Imported { before, after }, Some(external))
     }
 
     /// A buffer that outlives the frame; as [`Graph::import_image`].
     pub fn import_buffer(&mut self, buffer: &Buffer, before: Access, after: Option<Access>) -> BufferHandle {
         let external = External::Buffer(buffer.clone());
-        self.new_buffer(
-            buffer.name().to_owned().into(),
-            buffer.size(),
-            Origin::Imported { before, after },
-            Some(external),
-        )
+        self.new_buffer(buffer.name().into(), buffer.size(), Origin::Imported { before, after }, Some(external))
     }
 
     /// Copies values into the frame's arena, for `constant` bindings of its passes.

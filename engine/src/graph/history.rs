@@ -83,7 +83,7 @@ impl Graph<'_> {
         let (origins, is_first) = self.history(key, Shape::Image(shape));
         let [previous, next] = origins;
         let mut previous = self.new_image(previous_name(key).into(), shape, previous, None);
-        let next = self.new_image(key.to_owned().into(), shape, next, None);
+        let next = self.new_image(key.into(), shape, next, None);
         self.declare(key, Shape::Image(shape), [previous.resource, next.resource], is_first);
         if is_first {
             let color = shape.aspects() == vk::ImageAspectFlags::COLOR;
@@ -111,7 +111,7 @@ impl Graph<'_> {
         let (origins, is_first) = self.history(key, Shape::Buffer { size });
         let [previous, next] = origins;
         let mut previous = self.new_buffer(previous_name(key).into(), size, previous, None);
-        let next = self.new_buffer(key.to_owned().into(), size, next, None);
+        let next = self.new_buffer(key.into(), size, next, None);
         self.declare(key, Shape::Buffer { size }, [previous.resource, next.resource], is_first);
         if is_first {
             let (resource, range) = (previous.resource, previous.range);

@@ -34,9 +34,15 @@ impl Name {
     }
 }
 
-impl From<&'static str> for Name {
-    fn from(text: &'static str) -> Self {
-        Self { base: Cow::Borrowed(text), ..Self::default() }
+impl From<&str> for Name {
+    fn from(text: &str) -> Self {
+        String::from(text).into()
+    }
+}
+
+impl From<&String> for Name {
+    fn from(text: &String) -> Self {
+        text.clone().into()
     }
 }
 

@@ -31,7 +31,7 @@ impl Draft {
     pub fn resource(&mut self, name: &str, shape: Shape, origin: Origin) -> VersionId {
         let resource = ResourceId(self.description.resources.len() as u32);
         let range = shape.whole();
-        self.description.resources.push(Resource { name: name.to_owned().into(), shape, origin });
+        self.description.resources.push(Resource { name: name.into(), shape, origin });
         self.version(resource, range, Source::Initial)
     }
 
