@@ -11,11 +11,11 @@ layout(set = 0, binding = 7, scalar) buffer LargeGroups {
     uint large_count;
 };
 layout(set = 0, binding = 8, scalar) writeonly buffer LargeTriangles {
-    uint large_triangles[];
+    uvec2 large_triangles[]; // number, rows of columns
 };
 
-const int MOST_VOXELS = 256;
-const uint SLICES = 16u;
+const float MOST_VOXELS = 4096.0;
+const uint SLICES = 4u; // workgroups a large triangle
 const uint MOST_GROUPS = 65535u; // every device dispatches so many
 
 void main() {
@@ -32,9 +32,9 @@ void main() {
     if (any(lessThanEqual(size, ivec3(0)))) {
         return;
     }
-    if (float(size.x) * float(size.y) * float(size.z) > float(MOST_VOXELS)) {
+    if (float(size.x) * float(size.y) * float(size.z) > MOST_VOXELS) {
         uint place = atomicAdd(large_count, 1u);
-        large_triangles[place] = number;
+        large_triangles[place] = uvec2(number, size.y);
         atomicMax(group_count[0], min(place + 1u, MOST_GROUPS));
         return;
     }

@@ -48,7 +48,7 @@ impl Conservative {
         // 2. A triangle an invocation; large ones are put on a list.
         let groups = graph.buffer("voxel.large.groups", 16);
         let groups = graph.fill("voxel.large.clear", groups, 0);
-        let list = graph.buffer("voxel.large", 4 * u64::from(triangle_count));
+        let list = graph.buffer("voxel.large", 8 * u64::from(triangle_count));
         let mut pass = graph.compute("voxel.conservative", &small_comp::SHADER);
         pass.uniform(small_comp::VOXEL_GRID, &grid.block(axis))
             .uniform(small_comp::TOUCH, &touch)
