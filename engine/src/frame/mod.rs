@@ -18,7 +18,8 @@ use crate::techniques::shadow::{Receivers, map_sampler};
 use crate::techniques::surface::depth::DepthPrepass;
 use crate::techniques::surface::gbuffer::{GBuffer, Precision, Surfaces};
 use crate::techniques::surface::position::Position;
-use crate::techniques::transparency::sorted::{ForwardLights, ForwardShadow, Sorted};
+use crate::techniques::transparency::forward::{ForwardLights, ForwardShadow};
+use crate::techniques::transparency::sorted::Sorted;
 
 /// What a frame is made with.
 #[derive(Clone, Debug)]
@@ -97,9 +98,9 @@ impl FrameSettings {
                 ForwardShadow { parameters, maps, taps: *taps }
             }),
             sampler: map_sampler(),
+            environment: self.environment,
         };
-        let color =
-            Sorted { environment: self.environment }.record(graph, scene, view, &surfaces.depth, &forward, lit.color);
+        let color = Sorted.record(graph, scene, view, &surfaces.depth, &forward, lit.color);
 
         // 4. Captures.
         captured.frame(graph, &color, &lit.direct, &position, &surfaces);

@@ -207,6 +207,8 @@ pub struct InfoArguments {
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "\
 Benchmarks:
+  abuffer  layers of one colour over the whole picture: building, sorting and compositing them, beside
+           blending of the same fragments
   capture  whole captures, each in a process of its own: process start, device, loading, first-draw
            compilation, rendering, read-back, writing; cold (no compiled shaders on disk) and warm
   graph    chains and trees of 10 to 10 000 small passes: describing, planning, recording, memory
@@ -236,6 +238,8 @@ pub struct BenchArguments {
 /// A benchmark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum BenchName {
+    /// What the A-buffer costs a fragment.
+    Abuffer,
     /// Whole captures.
     Capture,
     /// What a pass costs on the host.

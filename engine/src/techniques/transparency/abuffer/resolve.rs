@@ -1,0 +1,123 @@
+//! Sorting and compositing.
+
+use std::mem::offset_of;
+
+use ash::vk;
+
+use super::{ABuffer, Built};
+use crate::Error;
+use crate::graph::{Graph, ImageHandle};
+use crate::shader::generated::blocks;
+use crate::shader::generated::transparency::abuffer::{
+    long_blocks_comp, long_composite_comp, long_merge_comp, long_runs_comp, resolve_comp,
+};
+
+/// Nodes that fit into registers: `scan.glsl`.
+const SHORT: u32 = 16;
+/// Nodes of a run, and how often runs are merged: `totals.glsl`.
+const RUN: u32 = 2048;
+const MERGES: u32 = 8;
+
+/// Most layers of a pixel.
+pub const MOST_LAYERS: u32 = RUN << MERGES;
+
+/// Bytes of a count of workgroups.
+const GROUPS: u64 = 12;
+
+impl ABuffer {
+    /// Sorts each pixel's nodes and composites them over `color`.
+    pub(super) fn resolve(&self, graph: &mut Graph, built: &Built, color: ImageHandle) -> ImageHandle {
+        let color = self.short(graph, built, color);
+        self.long(graph, built, color)
+    }
+
+    /// Pixels of few nodes, class by class.
+    fn short(&self, graph: &mut Graph, built: &Built, mut color: ImageHandle) -> ImageHandle {
+        let groups = offset_of!(blocks::Totals, class_groups) as u64;
+        for (class, slots) in [4, 8, SHORT].into_iter().enumerate() {
+            let mut pass = graph.compute(format!("{}.resolve.{slots}", built.name), &resolve_comp::SHADER);
+            pass.uniform_data(resolve_comp::ABUFFER, built.frame)
+                .read(resolve_comp::NODES, &built.nodes)
+                .read(resolve_comp::TOTALS, &built.scanned.totals)
+                .read(resolve_comp::WORK, &built.work)
+                .specialize(resolve_comp::NODE_FORMAT, self.format.number())
+                .specialize(resolve_comp::NODE_UNIT, self.unit())
+                .specialize(resolve_comp::LINKED, built.linked)
+                .specialize(resolve_comp::SLOTS, slots);
+            color = pass.write(resolve_comp::COLOR, color);
+            pass.dispatch_indirect(&built.scanned.totals, groups + GROUPS * class as u64);
+        }
+        color
+    }
+
+    /// Pixels of more nodes: sorted in memory. Where there are none, nothing is dispatched.
+    fn long(&self, graph: &mut Graph, built: &Built, color: ImageHandle) -> ImageHandle {
+        let Built { name, scanned, frame, .. } = built;
+        let totals = &scanned.totals;
+        let class_groups = offset_of!(blocks::Totals, class_groups) as u64 + 3 * GROUPS;
+        let mut sorted = |which: &str| {
+            let format = vk::Format::R32G32B32A32_UINT;
+            graph.image_after(&scanned.told, format!("{name}.sorted.{which}"), format, sorted_size)
+        };
+        let (even, odd) = (sorted("even"), sorted("odd"));
+        // Step 2 reads only what it wrote itself, which nobody can see from outside.
+        let odd = graph.clear(format!("{name}.sorted.begin"), odd, vk::ClearColorValue::default());
+
+        // 1. Blocks of 16, in registers.
+        let mut pass = graph.compute(format!("{name}.long.blocks"), &long_blocks_comp::SHADER);
+        pass.read(long_blocks_comp::NODES, &built.nodes)
+            .read(long_blocks_comp::TOTALS, totals)
+            .read(long_blocks_comp::WORK, &built.work)
+            .specialize(long_blocks_comp::NODE_FORMAT, self.format.number())
+            .specialize(long_blocks_comp::LINKED, built.linked);
+        let even = pass.write(long_blocks_comp::SORTED, even);
+        pass.dispatch_indirect(totals, class_groups);
+
+        // 2. Runs of 2048, an invocation each.
+        let mut pass = graph.compute(format!("{name}.long.runs"), &long_runs_comp::SHADER);
+        pass.read(long_runs_comp::TOTALS, totals).read(long_runs_comp::WORK, &built.work);
+        let mut even = pass.write(long_runs_comp::EVEN, even);
+        let mut odd = pass.write(long_runs_comp::ODD, odd);
+        pass.dispatch_indirect(totals, offset_of!(blocks::Totals, run_groups) as u64);
+
+        // 3. Runs two to one. Those of step 2 took an odd number of merges.
+        for merge in 0..MERGES {
+            let (from, to) = if merge % 2 == 0 { (odd, even) } else { (even, odd) };
+            let mut pass = graph.compute(format!("{name}.long.merge.{}", RUN << merge), &long_merge_comp::SHADER);
+            pass.read(long_merge_comp::TOTALS, totals)
+                .read(long_merge_comp::WORK, &built.work)
+                .read(long_merge_comp::FROM, &from)
+                .push(&(RUN << merge));
+            let to = pass.write(long_merge_comp::TO, to);
+            let groups = offset_of!(blocks::Totals, merge_groups) as u64 + GROUPS * u64::from(merge);
+            pass.dispatch_indirect(totals, groups);
+            (even, odd) = if merge % 2 == 0 { (to, from) } else { (from, to) };
+        }
+
+        // 4. Nearest first.
+        let mut pass = graph.compute(format!("{name}.long.composite"), &long_composite_comp::SHADER);
+        pass.uniform_data(long_composite_comp::ABUFFER, *frame)
+            .read(long_composite_comp::NODES, &built.nodes)
+            .read(long_composite_comp::TOTALS, totals)
+            .read(long_composite_comp::WORK, &built.work)
+            .read(long_composite_comp::EVEN, &even)
+            .read(long_composite_comp::ODD, &odd)
+            .specialize(long_composite_comp::NODE_FORMAT, self.format.number())
+            .specialize(long_composite_comp::NODE_UNIT, self.unit())
+            .specialize(long_composite_comp::LINKED, built.linked);
+        let color = pass.write(long_composite_comp::COLOR, color);
+        pass.dispatch_indirect(totals, class_groups);
+        color
+    }
+}
+
+/// Size of the image of sorted nodes: one texel where no pixel has many.
+fn sorted_size(totals: &[blocks::Totals]) -> crate::Result<[u32; 2]> {
+    let total = &totals[0].total;
+    if total.longest > MOST_LAYERS {
+        let wrong = format!("a pixel has {} layers; at most {MOST_LAYERS} are sorted", total.longest);
+        return Err(Error::invalid("A-buffer", wrong));
+    }
+    let nodes = if total.longest > SHORT { total.nodes } else { 0 };
+    Ok(super::node::texels_size(u64::from(nodes)))
+}
