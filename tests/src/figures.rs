@@ -94,30 +94,32 @@ pub fn publish(gpu: &Gpu, family: &str, name: &str, figures: &[Figure], picture:
     }
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/src/techniques").join(family);
     let page = folder.join(format!("{name}.md"));
+    let by = format!("technique_{family}_{name}");
     let text = fs::read_to_string(&page).unwrap_or_else(|error| panic!("cannot read {}: {error}", page.display()));
     if std::env::var("SHADOWGRAPH_FIGURES").is_ok_and(|wish| wish == "write") {
         assert!(harness::scenes().is_some(), "without the folder of scenes, rows of the pages would be lost");
         let picture = picture.map(|picture| (link(name, picture), write_picture(&folder, name, picture)));
         let block = block(&gpu.caps().title(), figures, picture.as_ref().map(|(link, _)| link.as_str()));
-        let text = replaced(&text, &block).unwrap_or_else(|why| panic!("{}: {why}", page.display()));
+        let text = replaced(&text, &by, &block).unwrap_or_else(|why| panic!("{}: {why}", page.display()));
         fs::write(&page, text).unwrap_or_else(|error| panic!("cannot write {}: {error}", page.display()));
-    } else if let Some(why) = stale(&text, figures, harness::scenes().is_some()) {
+    } else if let Some(why) = stale(&text, &by, figures, harness::scenes().is_some()) {
         panic!("{}: {why}; run this test with SHADOWGRAPH_FIGURES=write", page.display());
     }
 }
 
-/// As [`publish`], into any page of the book, below `docs/src`. `source`: what the figures were found on.
-pub fn publish_page(page: &str, source: &str, figures: &[Figure]) {
+/// As [`publish`], into any page of the book, below `docs/src`, after the marker that says they are `written by` this
+/// test. `source`: what the figures were found on.
+pub fn publish_page(page: &str, test: &str, source: &str, figures: &[Figure]) {
     for Figure { what, value, bound } in figures {
         println!("{page}: {what}: {value} (must be: {bound})");
     }
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/src").join(page);
     let text = fs::read_to_string(&page).unwrap_or_else(|error| panic!("cannot read {}: {error}", page.display()));
     if std::env::var("SHADOWGRAPH_FIGURES").is_ok_and(|wish| wish == "write") {
-        let text =
-            replaced(&text, &block(source, figures, None)).unwrap_or_else(|why| panic!("{}: {why}", page.display()));
+        let text = replaced(&text, test, &block(source, figures, None))
+            .unwrap_or_else(|why| panic!("{}: {why}", page.display()));
         fs::write(&page, text).unwrap_or_else(|error| panic!("cannot write {}: {error}", page.display()));
-    } else if let Some(why) = stale(&text, figures, true) {
+    } else if let Some(why) = stale(&text, test, figures, harness::scenes().is_some()) {
         panic!("{}: {why}; run this test with SHADOWGRAPH_FIGURES=write", page.display());
     }
 }
@@ -143,22 +145,22 @@ fn block(device: &str, figures: &[Figure], link: Option<&str>) -> String {
     block
 }
 
-/// Where the figures of a page begin and end.
-fn span(page: &str) -> Result<(usize, usize), String> {
-    let start = page.find("<!-- figures: ").ok_or("no marker `<!-- figures: …`")?;
-    let start = start + page[start..].find("-->\n").ok_or("the marker of the figures does not end")? + 4;
+/// Where the figures that a test writes into a page begin and end.
+fn span(page: &str, by: &str) -> Result<(usize, usize), String> {
+    let marker = format!("<!-- figures: written by {by} -->\n");
+    let start = page.find(&marker).ok_or_else(|| format!("no marker `{}`", marker.trim_end()))? + marker.len();
     let end = page[start..].find("<!-- end of figures -->").ok_or("no marker `<!-- end of figures -->`")?;
     Ok((start, start + end))
 }
 
-fn replaced(page: &str, block: &str) -> Result<String, String> {
-    let (start, end) = span(page)?;
+fn replaced(page: &str, by: &str, block: &str) -> Result<String, String> {
+    let (start, end) = span(page, by)?;
     Ok(format!("{}\n{block}\n{}", &page[..start], &page[end..]))
 }
 
 /// How a page differs from the figures found. Without the folder of scenes some are not found: with it, `all` are.
-fn stale(page: &str, figures: &[Figure], all: bool) -> Option<String> {
-    let (start, end) = match span(page) {
+fn stale(page: &str, by: &str, figures: &[Figure], all: bool) -> Option<String> {
+    let (start, end) = match span(page, by) {
         Ok(span) => span,
         Err(why) => return Some(why),
     };
@@ -183,14 +185,15 @@ mod tests {
 
     #[test]
     fn figures_replace_those_before_and_what_is_stale_is_found() {
-        let first = replaced(PAGE, &block("a device", &figures(&["old"]), None)).unwrap();
-        let page = replaced(&first, &block("a device", &figures(&["one", "two"]), Some("![a](b.png)\n\n"))).unwrap();
+        let first = replaced(PAGE, "x", &block("a device", &figures(&["old"]), None)).unwrap();
+        let page =
+            replaced(&first, "x", &block("a device", &figures(&["one", "two"]), Some("![a](b.png)\n\n"))).unwrap();
         assert!(page.contains("| one | 1 | 2 |\n| two | 1 | 2 |") && !page.contains("old"), "{page}");
         assert!(page.starts_with("# A page") && page.ends_with("rest\n") && page.contains("![a](b.png)"));
-        assert_eq!(stale(&page, &figures(&["one", "two"]), true), None);
-        assert_eq!(stale(&page, &figures(&["two"]), false), None);
-        assert!(stale(&page, &figures(&["two"]), true).unwrap().contains("`one` is found no more"));
-        assert!(stale(&page, &figures(&["two", "three"]), false).unwrap().contains("no figure `three`"));
-        assert!(stale("nothing", &figures(&["two"]), false).unwrap().contains("no marker"));
+        assert_eq!(stale(&page, "x", &figures(&["one", "two"]), true), None);
+        assert_eq!(stale(&page, "x", &figures(&["two"]), false), None);
+        assert!(stale(&page, "x", &figures(&["two"]), true).unwrap().contains("`one` is found no more"));
+        assert!(stale(&page, "x", &figures(&["two", "three"]), false).unwrap().contains("no figure `three`"));
+        assert!(stale("nothing", "x", &figures(&["two"]), false).unwrap().contains("no marker"));
     }
 }

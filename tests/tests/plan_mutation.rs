@@ -248,7 +248,12 @@ fn barriers_are_few_and_their_bits_are_needed() {
     let none = row("no barrier to spare", minimal);
     let no_bit = row("no barrier, stage bit, access bit or stage of a semaphore to spare", minimal_bits);
     let figures = [none, no_bit, barrier_calls()];
-    publish_page("graph/barriers.md", "made-up devices with one to three queues; no device is needed", &figures);
+    publish_page(
+        "graph/barriers.md",
+        "plan_mutation",
+        "made-up devices with one to three queues; no device is needed",
+        &figures,
+    );
 }
 
 /// Single bits of a mask.

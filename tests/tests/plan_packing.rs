@@ -169,7 +169,7 @@ fn heaps_are_small() {
     let what = "lower bound over that of the best of 100 random orders, 200 random graphs";
     figures.push(figure(what, found, 1.0, "median at most 1.1"));
 
-    publish_page("graph/memory.md", "made-up devices with one queue; no device is needed", &figures);
+    publish_page("graph/memory.md", "plan_packing", "made-up devices with one queue; no device is needed", &figures);
 }
 
 fn over_smallest() -> [f64; 3] {

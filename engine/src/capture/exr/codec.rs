@@ -132,8 +132,8 @@ impl PartCodec<'_> {
         fn put<const N: usize, T: Copy>(values: &[T], out: &mut Vec<u8>, bytes: impl Fn(T) -> [u8; N]) {
             let start = out.len();
             out.resize(start + N * values.len(), 0);
-            for (to, &from) in out[start..].chunks_exact_mut(N).zip(values) {
-                to.copy_from_slice(&bytes(from));
+            for (to, &from) in out[start..].as_chunks_mut().0.iter_mut().zip(values) {
+                *to = bytes(from);
             }
         }
         out.reserve(self.bytes(lines));
@@ -159,9 +159,9 @@ impl PartCodec<'_> {
             }
         }
         fn put32(values: impl ExactSizeIterator<Item = [u8; 4]>, even: &mut [u8], odd: &mut [u8]) {
-            for ((even, odd), [a, b, c, d]) in even.chunks_exact_mut(2).zip(odd.chunks_exact_mut(2)).zip(values) {
-                even.copy_from_slice(&[a, c]);
-                odd.copy_from_slice(&[b, d]);
+            let (even, odd) = (even.as_chunks_mut().0, odd.as_chunks_mut().0);
+            for ((even, odd), [a, b, c, d]) in even.iter_mut().zip(odd).zip(values) {
+                (*even, *odd) = ([a, c], [b, d]);
             }
         }
         out.resize(self.bytes(lines), 0);
