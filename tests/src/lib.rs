@@ -14,5 +14,6 @@ pub mod judge;
 pub mod packing;
 pub mod parallel;
 pub mod render;
+pub mod soup;
 pub mod tiny;
 pub mod twin;

@@ -44,9 +44,9 @@ impl NodeFormat {
     }
 }
 
-/// Size of an image of so many texels.
+/// Size of an image of so many texels, at least of one row.
 pub(super) fn texels_size(texels: u64) -> [u32; 2] {
-    [ROW, texels.div_ceil(u64::from(ROW)) as u32]
+    [ROW, texels.div_ceil(u64::from(ROW)).max(1) as u32]
 }
 
 impl ABuffer {

@@ -1,0 +1,221 @@
+//! The A-buffer against a twin that rasterises by Vulkan's rules and composites in double precision.
+#![allow(missing_docs, clippy::unwrap_used)]
+
+use glam::DVec4;
+use shadowgraph::gpu::Feature;
+use shadowgraph::techniques::transparency::abuffer::{ABuffer, Build, NodeFormat, Sizing};
+use shadowgraph_tests::compare::Comparison;
+use shadowgraph_tests::device::{shared, silent, snaps_finely};
+use shadowgraph_tests::figures::{self, Check, Figure, Picture};
+use shadowgraph_tests::soup::{BACKGROUND, Found, Kitchen, Random, Soup};
+use shadowgraph_tests::twin::layers::{Fragment, close_call, composite};
+
+const LISTS: ABuffer = ABuffer { build: Build::Lists(Sizing::Counted), format: NodeFormat::Compact, exponent: 0 };
+const ARRAYS: ABuffer = ABuffer { build: Build::Arrays, ..LISTS };
+
+/// How near in depth two fragments may be before rounding may decide.
+const DEPTH_MARGIN: f64 = 1e-6;
+
+fn soups() -> Vec<Soup> {
+    vec![
+        Soup::random(1, [64, 64], 6, 0),
+        Soup::random(2, [64, 32], 60, 0),
+        Soup::random(3, [32, 32], 40, 30),
+        Soup::random(4, [16, 16], 10, 512),
+        Soup::interpenetrating([32, 32], 12),
+        Soup::coplanar([64, 64], 21),
+    ]
+}
+
+/// Whether the fragments are all that a device must have, whatever it rounds.
+fn sure(soup: &Soup, pixel: usize, all: &[Fragment]) -> bool {
+    let opaque = soup.opaque_at(pixel);
+    all.iter().all(|f| (f.depth - opaque).abs() > DEPTH_MARGIN)
+}
+
+/// Layers of each pixel, exactly.
+fn counts(soup: &Soup, found: &Found) -> Check {
+    let mut comparison = Comparison::new(format!("{}: layers", soup.name), soup.size, 0.0);
+    for (i, expected) in soup.fragments().iter().enumerate() {
+        match sure(soup, i, expected) {
+            true => comparison.error(i, f64::from(found.count[i]) - expected.len() as f64),
+            false => comparison.leave_out(i, "near the opaque depth"),
+        }
+    }
+    Check::new(comparison, 1.0, 0.01)
+}
+
+/// Colour and alpha of each pixel: the largest difference of a component.
+fn colors(soup: &Soup, found: &Found, tolerance: f64, format: &str) -> Check {
+    let mut comparison = Comparison::new(format!("{}: {format} color", soup.name), soup.size, tolerance);
+    for (i, sorted) in soup.fragments().iter().enumerate() {
+        if !sure(soup, i, sorted) || close_call(sorted, DEPTH_MARGIN) {
+            comparison.leave_out(i, "near in depth");
+            continue;
+        }
+        let expected = composite(sorted, DVec4::from(BACKGROUND.map(f64::from)));
+        let found = DVec4::from(found.color[i].map(f64::from));
+        comparison.error(i, (found - expected).abs().max_element());
+    }
+    Check::new(comparison, 1.0, 0.1)
+}
+
+/// What must hold of every run.
+fn sound(found: &Found) {
+    let sum: f64 = found.count.iter().map(|&count| f64::from(count)).sum();
+    assert_eq!(sum, f64::from(found.nodes), "sum of the pixels' layers and nodes");
+    assert_eq!(found.count.iter().fold(0.0f32, |a, &b| a.max(b)), found.longest as f32);
+    assert_eq!(found.lost, 0);
+    assert!(found.counter.is_none_or(|counter| counter == found.nodes), "{found:?}");
+    assert!(found.samples.is_none_or(|samples| samples == u64::from(found.nodes)), "{found:?}");
+}
+
+#[test]
+fn transparency_abuffer_agrees_with_its_reference() {
+    let mut rows = Vec::new();
+    let mut picture = None;
+    for soup in soups() {
+        let mut kitchen = Kitchen::new(shared(), &soup);
+        let found = kitchen.run(ARRAYS, false).unwrap();
+        sound(&found);
+        rows.push(counts(&soup, &found).demand());
+        rows.push(colors(&soup, &found, 4e-3, "RGB9E5").demand());
+        // Linked lists give the same bytes, and their counter and the occlusion query say the same.
+        let lists = kitchen.run(LISTS, false).unwrap();
+        sound(&lists);
+        assert!(lists.counter.is_some() && lists.samples.is_some());
+        assert!(lists.color == found.color && lists.count == found.count, "{}: lists differ", soup.name);
+        picture.get_or_insert_with(|| (soup.size, found.color.clone()));
+    }
+    let soup = Soup::random(5, [32, 32], 40, 30).with_any_alpha();
+    let mut kitchen = Kitchen::new(shared(), &soup);
+    for (format, tolerance, name) in [(NodeFormat::Half, 2e-3, "half"), (NodeFormat::Float, 1e-5, "float")] {
+        let arrays = kitchen.run(ABuffer { format, ..ARRAYS }, false).unwrap();
+        let lists = kitchen.run(ABuffer { format, ..LISTS }, false).unwrap();
+        sound(&arrays);
+        sound(&lists);
+        assert!(arrays.color == lists.color, "{name}: lists differ");
+        rows.push(colors(&soup, &arrays, tolerance, name).demand());
+    }
+    silent(shared());
+    publish(rows, picture.unwrap());
+}
+
+fn publish(rows: Vec<Figure>, (size, color): ([u32; 2], Vec<[f32; 4]>)) {
+    // Each texel eight times as large.
+    let scale = 8;
+    let large = size.map(|side| side * scale);
+    let at = |i: u32| color[(i / large[0] / scale * size[0] + i % large[0] / scale) as usize];
+    let pixels = (0..large[0] * large[1]).map(|i| [0, 1, 2].map(|c| at(i)[c])).collect();
+    let caption = "Triangles through each other, of one colour each; behind the left half something opaque".into();
+    let picture = Picture { size: large, pixels, exposure: 1.0, caption };
+    figures::publish(shared(), "transparency", "abuffer", &rows, Some(&picture));
+}
+
+#[test]
+fn portable_transparency_abuffer_loses_no_layer() {
+    if !snaps_finely(shared()) {
+        return;
+    }
+    for soup in [Soup::random(2, [64, 32], 60, 0), Soup::random(3, [32, 32], 40, 30)] {
+        let mut kitchen = Kitchen::new(shared(), &soup);
+        let arrays = kitchen.run(ARRAYS, false).unwrap();
+        sound(&arrays);
+        counts(&soup, &arrays).demand();
+        colors(&soup, &arrays, 4e-3, "RGB9E5").demand();
+        let pulled = kitchen.run(ARRAYS, true).unwrap();
+        assert!(pulled == arrays, "{}: vertices pulled by hand", soup.name);
+        if shared().caps().has(Feature::OcclusionQueryPrecise) {
+            let lists = kitchen.run(LISTS, false).unwrap();
+            sound(&lists);
+            assert!(lists.color == arrays.color, "{}: lists differ", soup.name);
+        }
+    }
+    silent(shared());
+}
+
+/// Every order of draws, and every run, gives the same bytes: equal depths too.
+#[test]
+fn transparency_abuffer_does_not_depend_on_the_order_of_draws() {
+    let mut random = Random::new(3);
+    for soup in [Soup::coplanar([64, 64], 21), Soup::random(6, [32, 32], 120, 12)] {
+        let mut kitchen = Kitchen::new(shared(), &soup);
+        let first = kitchen.run(ARRAYS, false).unwrap();
+        for run in 0..24 {
+            // The triangles' numbers come from the index buffer here, so draws of parts of an object keep them.
+            kitchen.reorder(|draws| {
+                random.shuffle(draws);
+                draws.sort_by_key(|draw| draw.class);
+            });
+            let (arrays, lists) =
+                (kitchen.run(ARRAYS, run % 2 == 1).unwrap(), kitchen.run(LISTS, run % 2 == 0).unwrap());
+            assert!(arrays == first, "{}: run {run} differs", soup.name);
+            assert!(lists.color == first.color && lists.count == first.count, "{}: lists of run {run}", soup.name);
+        }
+        // Draws of single triangles, in any order over all objects.
+        kitchen.reorder(|draws| {
+            let blended = draws.iter().filter(|draw| draw.class == shadowgraph::scene::DrawClass::Blend);
+            let opaque = draws.iter().filter(|draw| draw.class != shadowgraph::scene::DrawClass::Blend).cloned();
+            let mut single: Vec<_> = blended
+                .flat_map(|draw| {
+                    let starts = draw.indices.clone().step_by(3);
+                    starts.map(|at| shadowgraph::scene::Draw { indices: at..at + 3, ..draw.clone() })
+                })
+                .collect();
+            random.shuffle(&mut single);
+            *draws = opaque.chain(single).collect();
+        });
+        assert!(kitchen.run(ARRAYS, true).unwrap() == first, "{}: single triangles", soup.name);
+    }
+    silent(shared());
+}
+
+/// Too small a guess is found, told exactly, and made good in the same frame.
+#[test]
+fn transparency_abuffer_with_too_few_nodes_is_built_again() {
+    let soup = Soup::random(8, [16, 16], 3, 1);
+    let mut kitchen = Kitchen::new(shared(), &soup);
+    let whole = kitchen.run(LISTS, false).unwrap();
+    let capacities: Vec<u32> = match whole.nodes {
+        n if n > 400 => (0..24).chain((24..n - 24).step_by(37)).chain(n - 24..=n + 1).collect(),
+        n => (0..=n + 1).collect(),
+    };
+    for &capacity in &capacities {
+        let build = Build::Lists(Sizing::Guessed(capacity));
+        let found = kitchen.run(ABuffer { build, ..LISTS }, false).unwrap();
+        assert_eq!(found.counter, Some(whole.nodes), "capacity {capacity}");
+        assert!(found.color == whole.color && found.count == whole.count, "capacity {capacity}");
+    }
+    println!("{} capacities up to {}", capacities.len(), whole.nodes + 1);
+    silent(shared());
+}
+
+#[test]
+fn transparency_abuffer_with_a_seeded_mistake_is_caught() {
+    let soup = Soup::random(1, [64, 64], 6, 0);
+    let fails = |mistaken: &Soup| {
+        let found = Kitchen::new(shared(), mistaken).run(ARRAYS, false).unwrap();
+        (counts(&soup, &found).fails(), colors(&soup, &found, 4e-3, "RGB9E5").fails())
+    };
+    assert_eq!(fails(&soup), (false, false));
+    let changed = |change: fn(&mut Soup)| {
+        let mut soup = soup.clone();
+        change(&mut soup);
+        soup
+    };
+    // A triangle less; two in the other order; a layer a little denser; a vertex moved by a pixel.
+    assert_eq!(fails(&changed(|s| drop(s.triangles.pop()))), (true, true));
+    assert_eq!(fails(&changed(|s| s.triangles[4].depth = s.triangles[4].depth.map(|z| 1.0 - z))), (true, true));
+    assert_eq!(
+        fails(&changed(|s| s.triangles.iter_mut().for_each(|t| t.color[3] = (t.color[3] - 0.02).abs()))),
+        (false, true)
+    );
+    assert_eq!(fails(&changed(|s| s.triangles[1].corners[0][0] ^= 256)), (true, true));
+    // Ties the other way around: only the order of equal depths changes.
+    let stack = Soup::coplanar([64, 64], 21);
+    let mut turned = stack.clone();
+    turned.triangles.reverse();
+    let found = Kitchen::new(shared(), &turned).run(ARRAYS, false).unwrap();
+    assert!(!counts(&stack, &found).fails() && colors(&stack, &found, 4e-3, "RGB9E5").fails());
+    silent(shared());
+}
