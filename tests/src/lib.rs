@@ -12,6 +12,7 @@ pub mod harness;
 pub mod hazard;
 pub mod judge;
 pub mod packing;
+pub mod panes;
 pub mod parallel;
 pub mod render;
 pub mod soup;

@@ -50,8 +50,10 @@ pub struct Found {
     pub color: Vec<[f32; 4]>,
     /// Layers of each pixel.
     pub count: Vec<f32>,
-    /// Pixels whose nodes are not as many as were counted.
-    pub lost: u32,
+    /// Distance of the nearest layer.
+    pub front: Vec<f32>,
+    /// Pixels whose nodes are not as many as were counted; pixels with a clamped colour.
+    pub report: [u32; 2],
     /// Nodes in all.
     pub nodes: u32,
     /// Most of a pixel.
@@ -266,18 +268,20 @@ impl<'g> Kitchen<'g> {
         let color = graph.clear("background", color, ash::vk::ClearColorValue { float32: BACKGROUND });
         let mut blended = Blended::new(&graph, &self.scene, self.view, &lights);
         blended.pull_vertices |= pull_vertices;
-        let Composited { color, count, lost_pixels, totals, counter } =
-            abuffer.record(&mut graph, &depth, &blended, color);
+        let Composited { color, count, front, report, totals, counter } =
+            abuffer.record(&mut graph, &self.view, &depth, &blended, color);
         graph.capture("color", &color);
         graph.capture("count", &count);
-        graph.capture("lost", &lost_pixels);
+        graph.capture("front", &front);
+        graph.capture("report", &report);
         let plan = graph.compile(self.gpu).map_err(shadowgraph::Error::from)?;
         let executed = self.executor.execute(&plan, graph)?;
         let total = totals.values()?[0].total;
         Ok(Found {
             color: texels(&executed, "color")?,
             count: texels(&executed, "count")?,
-            lost: texels::<u32>(&executed, "lost")?[0],
+            front: texels(&executed, "front")?,
+            report: texels::<u32>(&executed, "report")?.try_into().unwrap_or([u32::MAX; 2]),
             nodes: total.nodes,
             longest: total.longest,
             counter: counter.map(|counter| counter.values().map(|values| values[0])).transpose()?,

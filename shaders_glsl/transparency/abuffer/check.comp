@@ -2,6 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #define WORK_ACCESS readonly
 #include "transparency/abuffer/work.glsl"
+#include "transparency/abuffer/report.glsl"
 
 // Whether each pixel's array was filled to its end: as many nodes as were counted, no more and no less.
 
@@ -10,10 +11,6 @@ layout(local_size_x = 64) in;
 layout(set = 0, binding = 23, scalar) readonly buffer Cursors {
     uint cursors[];
 };
-layout(set = 0, binding = 6, scalar) buffer ABufferReport {
-    uint lost_pixels;
-} report;
-
 void main() {
     uint place = work_index();
     if (place >= work.length()) {

@@ -2,6 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #include "transparency/abuffer/long.glsl"
 #include "transparency/abuffer/nodes_read.glsl"
+#include "transparency/abuffer/report.glsl"
 
 // Composites sorted nodes, nearest first, until nothing behind can be seen.
 
@@ -17,6 +18,7 @@ layout(set = 0, binding = 8, rgba32ui) readonly uniform uimage2D odd;
     uvec4 node = in_odd ? imageLoad(odd, at) : imageLoad(even, at); \
     vec4 layer = node_color(signed_key(node.y), node.zw); \
     put_behind(front, done + i < pixel.count ? layer : vec4(0.0)); \
+    clamped = clamped || is_clamped(node.zw); \
 }
 
 void main() {
@@ -26,8 +28,12 @@ void main() {
     }
     bool in_odd = (merges_of(pixel.count) & 1u) == 1u;
     vec4 front = vec4(0.0, 0.0, 0.0, 1.0);
+    bool clamped = false;
     for (uint done = 0u; done < pixel.count && front.a > 0.0; done += 8u) {
         LAYER(0u) LAYER(1u) LAYER(2u) LAYER(3u) LAYER(4u) LAYER(5u) LAYER(6u) LAYER(7u)
+    }
+    if (clamped) {
+        atomicAdd(report.clamped_pixels, 1u);
     }
     ivec2 at = pixel_of(pixel.index);
     imageStore(color, at, over_opaque(front, imageLoad(color, at)));

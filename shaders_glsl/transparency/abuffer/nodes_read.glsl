@@ -41,3 +41,13 @@ vec4 node_color(int key, uvec2 payload) {
 uvec2 node_payload(uint node, uvec4 texel) {
     return NODE_FORMAT == NODE_FLOAT ? uvec2(node, 0u) : texel.zw;
 }
+
+// Whether a colour stands at the end of what its format can hold.
+bool is_clamped(uvec2 payload) {
+    if (NODE_FORMAT == NODE_COMPACT) {
+        uvec3 m = uvec3(payload.x & 511u, payload.x >> 9 & 511u, payload.x >> 18 & 511u);
+        return payload.x >> 27 == 31u && any(equal(m, uvec3(511u)));
+    }
+    uvec3 halves = uvec3(payload.x & 0xffffu, payload.x >> 16, payload.y & 0xffffu);
+    return NODE_FORMAT == NODE_HALF && any(equal(halves, uvec3(0x7bffu)));
+}

@@ -5,6 +5,7 @@
 #include "transparency/abuffer/node.glsl"
 #include "transparency/abuffer/nodes_read.glsl"
 #include "transparency/abuffer/network.glsl"
+#include "transparency/abuffer/report.glsl"
 
 // Composites the pixels of one class: as many nodes as fit into registers.
 
@@ -15,6 +16,7 @@ layout(set = 0, binding = 5, rgba32f) uniform image2D color; // premultiplied
 #define COMPOSITE(i) { \
     vec4 layer = node_color(slot_key[i], slot_payload[i]); \
     put_behind(front, i < pixel.count ? layer : vec4(0.0)); \
+    clamped = clamped || (i < pixel.count && is_clamped(slot_payload[i])); \
 }
 
 void main() {
@@ -31,7 +33,11 @@ void main() {
     EACH_SLOT(LOAD_SLOT)
     sort_slots();
     vec4 front = vec4(0.0, 0.0, 0.0, 1.0);
+    bool clamped = false;
     EACH_SLOT(COMPOSITE)
+    if (clamped) {
+        atomicAdd(report.clamped_pixels, 1u);
+    }
     ivec2 at = pixel_of(pixel.index);
     imageStore(color, at, over_opaque(front, imageLoad(color, at)));
 }

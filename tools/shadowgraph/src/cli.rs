@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
 use shadowgraph::capture::Compression;
-use shadowgraph::frame::Selection;
+use shadowgraph::frame::{Selection, Transparency};
 
 use crate::arguments::{self, SceneSource, Size, Sun};
 
@@ -93,6 +93,10 @@ pub struct FrameArguments {
     #[arg(long, value_name = "LUMINANCE", value_parser = arguments::not_negative, allow_hyphen_values = true,
         help_heading = "Light")]
     pub environment: Option<f32>,
+    /// How blended surfaces are composited: object by object, or every layer of every pixel by depth, which is exact and
+    /// slower
+    #[arg(long, value_enum, value_name = "KIND", default_value_t = TransparencyKind::Sorted)]
+    pub transparency: TransparencyKind,
     /// Layers to keep, by name or by first part of the name, between commas: color,Z,N,id. What no layer needs is not
     /// rendered. An unknown name makes the command list the known ones
     #[arg(long, value_name = "LIST|all", value_parser = arguments::layers, default_value = "all")]
@@ -104,6 +108,25 @@ pub struct FrameArguments {
     /// The device
     #[command(flatten)]
     pub device: DeviceArguments,
+}
+
+/// How blended surfaces are composited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TransparencyKind {
+    /// Object by object, far ones first.
+    Sorted,
+    /// Every layer of every pixel, by depth.
+    #[value(name = "abuffer")]
+    ABuffer,
+}
+
+impl From<TransparencyKind> for Transparency {
+    fn from(kind: TransparencyKind) -> Self {
+        match kind {
+            TransparencyKind::Sorted => Self::Sorted,
+            TransparencyKind::ABuffer => Self::ABuffer,
+        }
+    }
 }
 
 /// Ways to look into a frame.
@@ -125,8 +148,8 @@ pub struct DebugArguments {
 #[command(after_help = "\
 Layers: color (R,G,B,A), Z (distance along the view axis, m), N (normal) and P (position) in world space, \
 albedo, roughness, metallic, occlusion, emissive, direct (light that came straight from lamps), id.object, \
-id.primitive, id.material (from 1; names in the header), shadow.LIGHT, cascade.index, and shadow maps as parts \
-map.LIGHT.
+id.primitive, id.material (from 1; names in the header), shadow.LIGHT, cascade.index, abuffer.count and \
+abuffer.front.Z (layers, and how far the nearest is; with --transparency abuffer), and shadow maps as parts map.LIGHT.
 
 Examples:
   shadowgraph capture scene.glb -o out.exr

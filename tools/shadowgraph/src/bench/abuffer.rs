@@ -1,9 +1,10 @@
 //! What the A-buffer costs a fragment, beside blending of the same fragments: full-screen layers of one colour.
 
 use ash::vk;
+use glam::Vec3;
 use shadowgraph::gpu::{Gpu, blend};
 use shadowgraph::graph::{Executed, Executor, Graph, ImageHandle, ImageShape, Load, RasterPass};
-use shadowgraph::scene::depth;
+use shadowgraph::scene::{Camera, View, depth};
 use shadowgraph::shader::Program;
 use shadowgraph::shader::generated::bench::{layers_array_frag, layers_blend_frag, layers_list_frag, layers_vert};
 use shadowgraph::shader::generated::transparency::abuffer::count_frag;
@@ -109,10 +110,15 @@ fn blended(graph: &mut Graph, layers: Layers, depth: &ImageHandle, color: ImageH
 }
 
 fn arrays(graph: &mut Graph, layers: Layers, depth: &ImageHandle, color: ImageHandle) -> ImageHandle {
-    ABuffer::default().record(graph, depth, &layers, color).color
+    ABuffer::default().record(graph, &view(depth.size()), depth, &layers, color).color
 }
 
 fn lists(graph: &mut Graph, layers: Layers, depth: &ImageHandle, color: ImageHandle) -> ImageHandle {
     let build = Build::Lists(Sizing::Counted);
-    ABuffer { build, ..ABuffer::default() }.record(graph, depth, &layers, color).color
+    ABuffer { build, ..ABuffer::default() }.record(graph, &view(depth.size()), depth, &layers, color).color
+}
+
+/// Only how far layers are depends on it.
+fn view(size: [u32; 2]) -> View {
+    Camera::look_at(Vec3::Z, Vec3::ZERO, Vec3::Y, 1.0, 0.1).view(size)
 }

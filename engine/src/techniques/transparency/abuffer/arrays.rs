@@ -3,11 +3,12 @@
 use ash::vk;
 
 use super::fragments::{Fragments, Step};
+use super::resolve::Resolved;
 use super::scan::{chunks_of, scan, work};
 use super::{ABuffer, Built, Composited};
 use crate::gpu::blend;
 use crate::graph::{Graph, ImageHandle, ImageShape, Load};
-use crate::scene::depth;
+use crate::scene::{View, depth};
 use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::abuffer::{array_frag, check_comp, count_frag, scan_offsets_comp};
 
@@ -17,6 +18,7 @@ impl ABuffer {
     pub(super) fn by_arrays<'f>(
         &self,
         graph: &mut Graph<'f>,
+        view: &View,
         depth: &ImageHandle,
         fragments: &impl Fragments<'f>,
         color: ImageHandle,
@@ -63,17 +65,16 @@ impl ABuffer {
         pass.draw(fragments.draw(Step::Arrays));
 
         // 3. Whether nothing was lost.
-        let lost = graph.buffer("abuffer.lost", size_of::<blocks::ABufferReport>() as u64);
-        let lost = graph.fill("abuffer.lost.begin", lost, 0);
+        let mut resolved = Resolved::new(graph, color);
         let mut pass = graph.compute("abuffer.check", &check_comp::SHADER);
         pass.read(check_comp::WORK, &work).read(check_comp::CURSORS, &cursors);
-        let lost_pixels = pass.write(check_comp::REPORT, lost);
+        resolved.report = pass.write(check_comp::REPORT, resolved.report);
         pass.dispatch_indirect(&scanned.totals, std::mem::offset_of!(blocks::Totals, work_groups) as u64);
 
-        let told = scanned.told.clone();
+        // 4. Sort and composite.
         let built = Built { name: NAME, nodes, linked: false, scanned, work, frame };
-        let color = self.resolve(graph, &built, color);
-        Composited { color, count, lost_pixels, totals: told, counter: None }
+        let Resolved { color, report, front } = self.resolve(graph, view, &built, resolved);
+        Composited { color, count, front, report, totals: built.scanned.told, counter: None }
     }
 
     /// Fragments of each pixel, by blending.

@@ -3,10 +3,11 @@
 use ash::vk;
 
 use super::fragments::{Fragments, Step};
+use super::resolve::Resolved;
 use super::scan::{chunks_of, scan, work};
 use super::{ABuffer, Built, Composited, Sizing};
 use crate::graph::{BufferHandle, Checkpoint, Data, Graph, ImageHandle, ImageShape};
-use crate::scene::depth;
+use crate::scene::{View, depth};
 use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::abuffer::{list_counts_comp, list_frag, list_offsets_comp};
 
@@ -24,6 +25,7 @@ impl ABuffer {
         &self,
         sizing: Sizing,
         graph: &mut Graph<'f>,
+        view: &View,
         depth: &ImageHandle,
         fragments: &impl Fragments<'f>,
         color: ImageHandle,
@@ -33,8 +35,7 @@ impl ABuffer {
         let block = move |capacity, used| blocks::ABufferFrame { size: size.into(), capacity, used };
         let count = graph.image("abuffer.count", ImageShape::new_2d(vk::Format::R32_SFLOAT, size));
         let count = graph.clear("abuffer.count.begin", count, vk::ClearColorValue::default());
-        let lost_pixels = graph.buffer("abuffer.lost", size_of::<blocks::ABufferReport>() as u64);
-        let lost_pixels = graph.fill("abuffer.lost.begin", lost_pixels, 0);
+        let onto = Resolved::new(graph, color);
         match sizing {
             Sizing::Counted => {
                 // 1. How many fragments there are, then lists of as many nodes.
@@ -48,9 +49,8 @@ impl ABuffer {
 
                 // 2. Sort and composite.
                 let (built, count) = self.listed(graph, "abuffer", lists, count, frame);
-                let color = self.resolve(graph, &built, color);
-                let totals = built.scanned.told;
-                Composited { color, count, lost_pixels, totals, counter: Some(counter) }
+                let Resolved { color, report, front } = self.resolve(graph, view, &built, onto);
+                Composited { color, count, front, report, totals: built.scanned.told, counter: Some(counter) }
             }
             Sizing::Guessed(capacity) => {
                 // 1. Lists of so many nodes; the counter counts all fragments.
@@ -74,11 +74,10 @@ impl ABuffer {
 
                 // 3. Sort and composite those that are whole; the others count as empty.
                 let (built, count) = self.listed(graph, "abuffer", lists, count, enough);
-                let color = self.resolve(graph, &built, color);
+                let onto = self.resolve(graph, view, &built, onto);
                 let (built, count) = self.listed(graph, "abuffer.redone", redone, count, frame);
-                let color = self.resolve(graph, &built, color);
-                let totals = built.scanned.told;
-                Composited { color, count, lost_pixels, totals, counter: Some(counter) }
+                let Resolved { color, report, front } = self.resolve(graph, view, &built, onto);
+                Composited { color, count, front, report, totals: built.scanned.told, counter: Some(counter) }
             }
         }
     }

@@ -17,6 +17,7 @@ pub use resolve::MOST_LAYERS;
 
 use self::scan::Scanned;
 use crate::graph::{BufferHandle, Checkpoint, Data, Graph, ImageHandle};
+use crate::scene::View;
 use crate::shader::generated::blocks;
 
 /// A-buffer.
@@ -56,8 +57,10 @@ pub struct Composited {
     pub color: ImageHandle,
     /// Layers of each pixel, R32 float.
     pub count: ImageHandle,
-    /// One word: pixels whose nodes are not as many as were counted. Never anything but 0.
-    pub lost_pixels: BufferHandle,
+    /// Distance of the nearest layer along the view axis, metres, R32 float; infinite where there is none.
+    pub front: ImageHandle,
+    /// One [`blocks::ABufferReport`].
+    pub report: BufferHandle,
     /// Sums over all pixels; once the frame has run.
     pub totals: Checkpoint<blocks::Totals>,
     /// The counter of linked lists: fragments that asked for a node, of the first attempt.
@@ -85,13 +88,14 @@ impl ABuffer {
     pub fn record<'f>(
         &self,
         graph: &mut Graph<'f>,
+        view: &View,
         depth: &ImageHandle,
         fragments: &impl Fragments<'f>,
         color: ImageHandle,
     ) -> Composited {
         match self.build {
-            Build::Arrays => self.by_arrays(graph, depth, fragments, color),
-            Build::Lists(sizing) => self.by_lists(sizing, graph, depth, fragments, color),
+            Build::Arrays => self.by_arrays(graph, view, depth, fragments, color),
+            Build::Lists(sizing) => self.by_lists(sizing, graph, view, depth, fragments, color),
         }
     }
 }

@@ -6,10 +6,11 @@ use ash::vk;
 
 use super::{ABuffer, Built};
 use crate::Error;
-use crate::graph::{Graph, ImageHandle};
+use crate::graph::{BufferHandle, Graph, ImageHandle, ImageShape};
+use crate::scene::{View, ViewSet};
 use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::abuffer::{
-    long_blocks_comp, long_composite_comp, long_merge_comp, long_runs_comp, resolve_comp,
+    front_comp, long_blocks_comp, long_composite_comp, long_merge_comp, long_runs_comp, resolve_comp,
 };
 
 /// Nodes that fit into registers: `scan.glsl`.
@@ -24,15 +25,36 @@ pub const MOST_LAYERS: u32 = RUN << MERGES;
 /// Bytes of a count of workgroups.
 const GROUPS: u64 = 12;
 
+/// What is composited onto.
+pub(super) struct Resolved {
+    pub(super) color: ImageHandle,
+    pub(super) report: BufferHandle,
+    pub(super) front: ImageHandle,
+}
+
+impl Resolved {
+    /// Onto `color`: nothing went wrong so far, and there is no layer.
+    pub(super) fn new(graph: &mut Graph, color: ImageHandle) -> Self {
+        let report = graph.buffer("abuffer.report", size_of::<blocks::ABufferReport>() as u64);
+        let report = graph.fill("abuffer.report.begin", report, 0);
+        let front = graph.image("abuffer.front", ImageShape::new_2d(vk::Format::R32_SFLOAT, color.size()));
+        let nothing = vk::ClearColorValue { float32: [f32::INFINITY; 4] };
+        let front = graph.clear("abuffer.front.begin", front, nothing);
+        Self { color, report, front }
+    }
+}
+
 impl ABuffer {
-    /// Sorts each pixel's nodes and composites them over `color`.
-    pub(super) fn resolve(&self, graph: &mut Graph, built: &Built, color: ImageHandle) -> ImageHandle {
-        let color = self.short(graph, built, color);
-        self.long(graph, built, color)
+    /// Sorts each pixel's nodes and composites them over what is there.
+    pub(super) fn resolve(&self, graph: &mut Graph, view: &View, built: &Built, onto: Resolved) -> Resolved {
+        let onto = self.short(graph, built, onto);
+        let onto = self.long(graph, built, onto);
+        Resolved { front: self.front(graph, view, built, onto.front), ..onto }
     }
 
     /// Pixels of few nodes, class by class.
-    fn short(&self, graph: &mut Graph, built: &Built, mut color: ImageHandle) -> ImageHandle {
+    fn short(&self, graph: &mut Graph, built: &Built, onto: Resolved) -> Resolved {
+        let Resolved { mut color, mut report, front } = onto;
         let groups = offset_of!(blocks::Totals, class_groups) as u64;
         for (class, slots) in [4, 8, SHORT].into_iter().enumerate() {
             let mut pass = graph.compute(format!("{}.resolve.{slots}", built.name), &resolve_comp::SHADER);
@@ -45,13 +67,15 @@ impl ABuffer {
                 .specialize(resolve_comp::LINKED, built.linked)
                 .specialize(resolve_comp::SLOTS, slots);
             color = pass.write(resolve_comp::COLOR, color);
+            report = pass.write(resolve_comp::REPORT, report);
             pass.dispatch_indirect(&built.scanned.totals, groups + GROUPS * class as u64);
         }
-        color
+        Resolved { color, report, front }
     }
 
     /// Pixels of more nodes: sorted in memory. Where there are none, nothing is dispatched.
-    fn long(&self, graph: &mut Graph, built: &Built, color: ImageHandle) -> ImageHandle {
+    fn long(&self, graph: &mut Graph, built: &Built, onto: Resolved) -> Resolved {
+        let Resolved { color, report, front } = onto;
         let Built { name, scanned, frame, .. } = built;
         let totals = &scanned.totals;
         let class_groups = offset_of!(blocks::Totals, class_groups) as u64 + 3 * GROUPS;
@@ -106,8 +130,23 @@ impl ABuffer {
             .specialize(long_composite_comp::NODE_UNIT, self.unit())
             .specialize(long_composite_comp::LINKED, built.linked);
         let color = pass.write(long_composite_comp::COLOR, color);
+        let report = pass.write(long_composite_comp::REPORT, report);
         pass.dispatch_indirect(totals, class_groups);
-        color
+        Resolved { color, report, front }
+    }
+
+    /// How far the nearest layer is.
+    fn front(&self, graph: &mut Graph, view: &View, built: &Built, front: ImageHandle) -> ImageHandle {
+        let mut pass = graph.compute(format!("{}.front", built.name), &front_comp::SHADER);
+        pass.uniform(front_comp::VIEWS, &ViewSet::from(*view).block())
+            .uniform_data(front_comp::ABUFFER, built.frame)
+            .read(front_comp::NODES, &built.nodes)
+            .read(front_comp::WORK, &built.work)
+            .specialize(front_comp::NODE_FORMAT, self.format.number())
+            .specialize(front_comp::LINKED, built.linked);
+        let front = pass.write(front_comp::FRONT, front);
+        pass.dispatch_indirect(&built.scanned.totals, offset_of!(blocks::Totals, work_groups) as u64);
+        front
     }
 }
 
