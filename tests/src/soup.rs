@@ -152,6 +152,27 @@ impl Soup {
         self
     }
 
+    /// With alphas so low that the farthest of many layers is still to be seen, at depths that steps of floats tell
+    /// apart.
+    pub fn thin(mut self, alpha: f32) -> Self {
+        self.triangles.iter_mut().for_each(|triangle| triangle.color[3] = alpha);
+        self
+    }
+
+    /// With so many triangles an object.
+    pub fn in_objects_of(mut self, triangles: usize) -> Self {
+        self.per_object = triangles;
+        self
+    }
+
+    /// With vertices on the grid of a device that has so many bits below the pixel.
+    pub fn on_grid(mut self, bits: u32) -> Self {
+        let step = GRID >> bits.min(8);
+        let corners = self.triangles.iter_mut().flat_map(|t| t.corners.iter_mut().flatten());
+        corners.for_each(|x| *x = *x / step * step);
+        self
+    }
+
     /// The scene.
     pub fn scene(&self) -> Scene {
         let mut scene = tiny::empty();

@@ -7,7 +7,7 @@ use shadowgraph::frame::Transparency;
 use shadowgraph::gpu::Feature;
 use shadowgraph::techniques::transparency::abuffer::{ABuffer, Build, NodeFormat, Sizing};
 use shadowgraph_tests::compare::Comparison;
-use shadowgraph_tests::device::{shared, silent, snaps_finely};
+use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::exr_file::Part;
 use shadowgraph_tests::figures::{self, Check, Figure, Picture};
 use shadowgraph_tests::panes::{capture, compare, panes};
@@ -100,6 +100,15 @@ fn transparency_abuffer_agrees_with_its_reference() {
         assert!(arrays.color == lists.color, "{name}: lists differ");
         rows.push(colors(&soup, &arrays, tolerance, name).demand());
     }
+    // So many layers that runs are merged across invocations; the farthest still count.
+    let soup = Soup::random(10, [8, 8], 0, 5000).in_objects_of(100).thin(0.001);
+    let mut kitchen = Kitchen::new(shared(), &soup);
+    let arrays = kitchen.run(ABuffer { format: NodeFormat::Float, ..ARRAYS }, false).unwrap();
+    let lists = kitchen.run(ABuffer { format: NodeFormat::Float, ..LISTS }, false).unwrap();
+    sound(&arrays);
+    assert!(arrays.longest > 4096 && arrays.color == lists.color);
+    rows.push(counts(&soup, &arrays).demand());
+    rows.push(colors(&soup, &arrays, 1e-5, "float").demand());
     // glTF's materials, lit and shadowed: panes in an order that is right only pixel by pixel.
     for subject in [panes(true), panes(false), crossing()] {
         rows.push(compare(&subject, &layers(&subject, Transparency::ABuffer)).demand());
@@ -142,10 +151,9 @@ fn publish(rows: &[Figure]) {
 
 #[test]
 fn portable_transparency_abuffer_loses_no_layer() {
-    if !snaps_finely(shared()) {
-        return;
-    }
+    let bits = shared().caps().limits.sub_pixel_bits;
     for soup in [Soup::random(2, [64, 32], 60, 0), Soup::random(3, [32, 32], 40, 30)] {
+        let soup = soup.on_grid(bits);
         let mut kitchen = Kitchen::new(shared(), &soup);
         let arrays = kitchen.run(ARRAYS, false).unwrap();
         sound(&arrays);
@@ -215,6 +223,43 @@ fn transparency_abuffer_with_too_few_nodes_is_built_again() {
         assert!(found.color == whole.color && found.count == whole.count, "capacity {capacity}");
     }
     println!("{} capacities up to {}", capacities.len(), whole.nodes + 1);
+    silent(shared());
+}
+
+/// Colours beyond what a format holds are counted, and a larger unit holds them.
+#[test]
+fn transparency_abuffer_counts_what_it_clamps() {
+    let mut soup = Soup::random(12, [16, 16], 0, 3);
+    soup.triangles.iter_mut().for_each(|triangle| triangle.color = [9e4, 1.0, 1.0, 1.0]);
+    let mut kitchen = Kitchen::new(shared(), &soup);
+    let covered = soup.fragments().iter().filter(|fragments| !fragments.is_empty()).count() as u32;
+    for build in [ARRAYS, LISTS] {
+        for format in [NodeFormat::Compact, NodeFormat::Half] {
+            let found = kitchen.run(ABuffer { format, ..build }, false).unwrap();
+            assert_eq!(found.report, [0, covered], "{format:?}");
+            let found = kitchen.run(ABuffer { format, exponent: 1, ..build }, false).unwrap();
+            assert_eq!(found.report, [0, 0], "{format:?}");
+        }
+        let found = kitchen.run(ABuffer { format: NodeFormat::Float, ..build }, false).unwrap();
+        assert_eq!(found.report, [0, 0]);
+    }
+    silent(shared());
+}
+
+/// The nearest layer is where the twin has it.
+#[test]
+fn transparency_abuffer_knows_the_nearest_layer() {
+    for soup in [Soup::interpenetrating([32, 32], 12), Soup::random(4, [16, 16], 0, 64)] {
+        let found = Kitchen::new(shared(), &soup).run(ARRAYS, false).unwrap();
+        let mut comparison = Comparison::new(format!("{}: nearest", soup.name), soup.size, 1e-6);
+        for (i, sorted) in soup.fragments().iter().enumerate() {
+            // World space is the picture here: distance along the view axis is depth, turned around.
+            let expected = sorted.first().map_or(f64::INFINITY, |fragment| -fragment.depth);
+            let found = f64::from(found.front[i]);
+            comparison.error(i, if found == expected { 0.0 } else { found - expected });
+        }
+        Check::new(comparison, 1.0, 0.0).demand();
+    }
     silent(shared());
 }
 

@@ -16,6 +16,7 @@ layout(set = 0, binding = 3, scalar) TOTALS_ACCESS buffer Totals {
     Sums total;
     uvec3 class_groups[CLASSES]; // by class, an invocation a pixel
     uvec3 work_groups; // an invocation a pixel that has nodes
+    uvec3 block_groups; // an invocation 16 nodes of a long pixel
     uvec3 run_groups; // an invocation a run of a long pixel
     uvec3 merge_groups[MERGES]; // the same, where a pixel is long enough
 };

@@ -10,7 +10,7 @@ use crate::graph::{BufferHandle, Graph, ImageHandle, ImageShape};
 use crate::scene::{View, ViewSet};
 use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::abuffer::{
-    front_comp, long_blocks_comp, long_composite_comp, long_merge_comp, long_runs_comp, resolve_comp,
+    front_comp, long_blocks_comp, long_composite_comp, long_flatten_comp, long_merge_comp, long_runs_comp, resolve_comp,
 };
 
 /// Nodes that fit into registers: `scan.glsl`.
@@ -24,6 +24,9 @@ pub const MOST_LAYERS: u32 = RUN << MERGES;
 
 /// Bytes of a count of workgroups.
 const GROUPS: u64 = 12;
+
+/// Where `Totals` has the workgroups of an invocation a long pixel.
+const LONG_GROUPS: u64 = offset_of!(blocks::Totals, class_groups) as u64 + 3 * GROUPS;
 
 /// What is composited onto.
 pub(super) struct Resolved {
@@ -78,7 +81,6 @@ impl ABuffer {
         let Resolved { color, report, front } = onto;
         let Built { name, scanned, frame, .. } = built;
         let totals = &scanned.totals;
-        let class_groups = offset_of!(blocks::Totals, class_groups) as u64 + 3 * GROUPS;
         let mut sorted = |which: &str| {
             let format = vk::Format::R32G32B32A32_UINT;
             graph.image_after(&scanned.told, format!("{name}.sorted.{which}"), format, sorted_size)
@@ -87,15 +89,17 @@ impl ABuffer {
         // Step 2 reads only what it wrote itself, which nobody can see from outside.
         let odd = graph.clear(format!("{name}.sorted.begin"), odd, vk::ClearColorValue::default());
 
-        // 1. Blocks of 16, in registers.
+        // 1. Blocks of 16, in registers; of lists, once their nodes stand side by side.
+        let odd = if built.linked { self.flatten(graph, built, odd) } else { odd };
         let mut pass = graph.compute(format!("{name}.long.blocks"), &long_blocks_comp::SHADER);
         pass.read(long_blocks_comp::NODES, &built.nodes)
+            .read(long_blocks_comp::FLAT_NODES, &odd)
             .read(long_blocks_comp::TOTALS, totals)
             .read(long_blocks_comp::WORK, &built.work)
             .specialize(long_blocks_comp::NODE_FORMAT, self.format.number())
             .specialize(long_blocks_comp::LINKED, built.linked);
         let even = pass.write(long_blocks_comp::SORTED, even);
-        pass.dispatch_indirect(totals, class_groups);
+        pass.dispatch_indirect(totals, offset_of!(blocks::Totals, block_groups) as u64);
 
         // 2. Runs of 2048, an invocation each.
         let mut pass = graph.compute(format!("{name}.long.runs"), &long_runs_comp::SHADER);
@@ -131,8 +135,21 @@ impl ABuffer {
             .specialize(long_composite_comp::LINKED, built.linked);
         let color = pass.write(long_composite_comp::COLOR, color);
         let report = pass.write(long_composite_comp::REPORT, report);
-        pass.dispatch_indirect(totals, class_groups);
+        pass.dispatch_indirect(totals, LONG_GROUPS);
         Resolved { color, report, front }
+    }
+
+    /// Nodes of long lists, side by side.
+    fn flatten(&self, graph: &mut Graph, built: &Built, to: ImageHandle) -> ImageHandle {
+        let mut pass = graph.compute(format!("{}.long.flatten", built.name), &long_flatten_comp::SHADER);
+        pass.read(long_flatten_comp::NODES, &built.nodes)
+            .read(long_flatten_comp::TOTALS, &built.scanned.totals)
+            .read(long_flatten_comp::WORK, &built.work)
+            .specialize(long_flatten_comp::NODE_FORMAT, self.format.number())
+            .specialize(long_flatten_comp::LINKED, true);
+        let to = pass.write(long_flatten_comp::FLAT_NODES, to);
+        pass.dispatch_indirect(&built.scanned.totals, LONG_GROUPS);
+        to
     }
 
     /// How far the nearest layer is.
