@@ -3,7 +3,7 @@
 use ash::vk;
 use glam::Vec3;
 use shadowgraph::gpu::{Gpu, blend};
-use shadowgraph::graph::{Executed, Executor, Graph, ImageHandle, ImageShape, Load, RasterPass};
+use shadowgraph::graph::{Executor, Graph, ImageHandle, ImageShape, Load, RasterPass};
 use shadowgraph::scene::{Camera, View, depth};
 use shadowgraph::shader::Program;
 use shadowgraph::shader::generated::bench::{layers_array_frag, layers_blend_frag, layers_list_frag, layers_vert};
@@ -15,7 +15,8 @@ use crate::cli::{BenchArguments, DeviceArguments};
 use crate::failure::Result;
 use crate::session;
 
-const LAYERS: [u32; 2] = [8, 32];
+const LAYERS: [u32; 8] = [1, 2, 4, 8, 16, 32, 64, 128];
+const SIDES: [u32; 4] = [128, 256, 512, 1024];
 
 /// Layers over the whole picture.
 #[derive(Clone, Copy)]
@@ -44,52 +45,129 @@ impl<'f> Fragments<'f> for Layers {
     }
 }
 
-/// A frame of one kind, and its passes' times.
+/// A way to composite the layers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// Nothing: what the rest of the frame takes.
+    Nothing,
+    /// Fixed-function blending into half-floats, in the order of draws.
+    Blend,
+    /// The A-buffer by counted arrays.
+    Arrays,
+    /// The A-buffer by linked lists.
+    Lists,
+}
+
+const KINDS: [Kind; 4] = [Kind::Nothing, Kind::Blend, Kind::Arrays, Kind::Lists];
+
+/// Least seconds of a frame, in all and of its two parts.
+#[derive(Clone, Copy)]
+struct Times {
+    whole: f64,
+    build: f64,
+    sort: f64,
+}
+
+/// Layers at one resolution, and one number of layers over resolutions; how times grow, as slopes of straight lines
+/// through the logarithms.
 pub fn run(arguments: &BenchArguments, tell: &mut impl FnMut(Measurement) -> Result<()>) -> Result<()> {
     let gpu = session::open(&DeviceArguments::default())?;
-    let measured = LAYERS.iter().try_for_each(|&layers| measure(&gpu, layers, arguments, tell));
+    let measured = measure_all(&gpu, arguments.runs, tell);
     let closed = session::close(gpu);
     measured.and(closed)
 }
 
+fn measure_all(gpu: &Gpu, runs: u32, tell: &mut impl FnMut(Measurement) -> Result<()>) -> Result<()> {
+    let mut growth = Vec::new();
+    for layers in LAYERS {
+        let whole = measure(gpu, [256, 256], layers, runs, tell)?;
+        growth.extend((4..=128).contains(&layers).then_some((f64::from(layers), whole)));
+    }
+    tell(figure("arrays".into(), "growth by layers, 4 to 128", slope(&growth), "slope"))?;
+    let mut growth = Vec::new();
+    for side in SIDES {
+        let whole = measure(gpu, [side, side], 8, runs, tell)?;
+        growth.push((f64::from(side * side), whole));
+    }
+    tell(figure("arrays".into(), "growth by pixels, 8 layers", slope(&growth), "slope"))
+}
+
+/// Tells the figures, and gives the seconds that arrays take in all.
 fn measure(
     gpu: &Gpu,
+    size: [u32; 2],
     layers: u32,
-    arguments: &BenchArguments,
+    runs: u32,
     tell: &mut impl FnMut(Measurement) -> Result<()>,
-) -> Result<()> {
-    let size = [512, 512];
-    let fragments = f64::from(size[0]) * f64::from(size[1]) * f64::from(layers);
+) -> Result<f64> {
     let mut executor = Executor::new(gpu);
-    type Record = fn(&mut Graph<'_>, Layers, &ImageHandle, ImageHandle) -> ImageHandle;
-    let kinds: [(&str, Record); 3] = [("blend", blended), ("arrays", arrays), ("lists", lists)];
-    for (kind, record) in kinds {
-        let mut best: Vec<(String, f64)> = Vec::new();
-        for _ in 0..=arguments.runs {
-            let mut graph = Graph::new("bench", gpu.caps());
-            let depth = cleared_depth(&mut graph, size);
-            let format =
-                if kind == "blend" { vk::Format::R16G16B16A16_SFLOAT } else { vk::Format::R32G32B32A32_SFLOAT };
-            let color = graph.image("color", ImageShape::new_2d(format, size));
-            let color = graph.clear("background", color, vk::ClearColorValue::default());
-            let color = record(&mut graph, Layers(layers), &depth, color);
-            graph.keep("color", &color);
-            let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
-            let executed: Executed = executor.execute(&plan, graph)?;
-            for pass in &executed.passes {
-                match best.iter_mut().find(|(name, _)| *name == pass.name) {
-                    Some((_, time)) => *time = (*time).min(pass.seconds),
-                    None => best.push((pass.name.clone(), pass.seconds)),
-                }
-            }
-        }
-        for (pass, time) in best {
-            let value = time * 1e9 / fragments;
-            let case = format!("{kind} {layers}");
-            tell(Measurement { bench: "abuffer", case, metric: pass, value, unit: "ns/fragment" })?;
+    let none = Times { whole: f64::INFINITY, build: f64::INFINITY, sort: f64::INFINITY };
+    let mut best = [none; KINDS.len()];
+    for _ in 0..=runs {
+        for (kind, best) in KINDS.into_iter().zip(&mut best) {
+            let times = frame(gpu, &mut executor, kind, size, layers)?;
+            best.whole = best.whole.min(times.whole);
+            best.build = best.build.min(times.build);
+            best.sort = best.sort.min(times.sort);
         }
     }
-    Ok(())
+    let [nothing, blend, arrays, lists] = best;
+    let fragments = f64::from(size[0]) * f64::from(size[1]) * f64::from(layers);
+    let nanoseconds = |seconds: f64| seconds * 1e9 / fragments;
+    let blending = (blend.whole - nothing.whole).max(1e-9);
+    let case = |kind: &str| format!("{kind} {}x{}x{layers}", size[0], size[1]);
+    tell(figure(case("blend"), "whole", nanoseconds(blending), "ns/fragment"))?;
+    for (kind, times) in [("arrays", arrays), ("lists", lists)] {
+        let whole = times.whole - nothing.whole;
+        tell(figure(case(kind), "build", nanoseconds(times.build), "ns/fragment"))?;
+        tell(figure(case(kind), "sort, composite", nanoseconds(times.sort), "ns/fragment"))?;
+        tell(figure(case(kind), "whole", nanoseconds(whole), "ns/fragment"))?;
+        tell(figure(case(kind), "whole to blending", whole / blending, "times"))?;
+    }
+    Ok(arrays.whole - nothing.whole)
+}
+
+fn figure(case: String, metric: &str, value: f64, unit: &'static str) -> Measurement {
+    Measurement { bench: "abuffer", case, metric: metric.into(), value, unit }
+}
+
+/// Slope of the straight line nearest to the points' logarithms.
+fn slope(points: &[(f64, f64)]) -> f64 {
+    let logarithms: Vec<_> = points.iter().map(|(x, y)| (x.ln(), y.max(1e-9).ln())).collect();
+    let count = logarithms.len().max(1) as f64;
+    let mean_x = logarithms.iter().map(|(x, _)| x).sum::<f64>() / count;
+    let mean_y = logarithms.iter().map(|(_, y)| y).sum::<f64>() / count;
+    let across: f64 = logarithms.iter().map(|(x, y)| (x - mean_x) * (y - mean_y)).sum();
+    across / logarithms.iter().map(|(x, _)| (x - mean_x).powi(2)).sum::<f64>().max(1e-12)
+}
+
+/// Runs a frame of one kind.
+fn frame(gpu: &Gpu, executor: &mut Executor, kind: Kind, size: [u32; 2], layers: u32) -> Result<Times> {
+    let mut graph = Graph::new("bench", gpu.caps());
+    let depth = cleared_depth(&mut graph, size);
+    let format = match kind {
+        Kind::Blend => vk::Format::R16G16B16A16_SFLOAT,
+        _ => vk::Format::R32G32B32A32_SFLOAT,
+    };
+    let color = graph.image("color", ImageShape::new_2d(format, size));
+    let color = graph.clear("background", color, vk::ClearColorValue::default());
+    let layers = Layers(layers);
+    let color = match kind {
+        Kind::Nothing => color,
+        Kind::Blend => blended(&mut graph, layers, &depth, color),
+        Kind::Arrays => composited(&mut graph, Build::Arrays, layers, &depth, color),
+        Kind::Lists => composited(&mut graph, Build::Lists(Sizing::Counted), layers, &depth, color),
+    };
+    graph.keep("color", &color);
+    graph.keep("depth", &depth);
+    let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
+    let executed = executor.execute(&plan, graph)?;
+    let sum = |sorts: bool| {
+        let own = executed.passes.iter().filter(|pass| pass.name.starts_with("abuffer."));
+        let sorting = |name: &str| [".resolve.", ".long.", ".sorted."].iter().any(|part| name.contains(part));
+        own.filter(|pass| sorting(&pass.name) == sorts).map(|pass| pass.seconds).sum()
+    };
+    Ok(Times { whole: executed.running.as_secs_f64(), build: sum(false), sort: sum(true) })
 }
 
 fn cleared_depth(graph: &mut Graph, size: [u32; 2]) -> ImageHandle {
@@ -109,13 +187,9 @@ fn blended(graph: &mut Graph, layers: Layers, depth: &ImageHandle, color: ImageH
     color
 }
 
-fn arrays(graph: &mut Graph, layers: Layers, depth: &ImageHandle, color: ImageHandle) -> ImageHandle {
-    ABuffer::default().record(graph, &view(depth.size()), depth, &layers, color).color
-}
-
-fn lists(graph: &mut Graph, layers: Layers, depth: &ImageHandle, color: ImageHandle) -> ImageHandle {
-    let build = Build::Lists(Sizing::Counted);
-    ABuffer { build, ..ABuffer::default() }.record(graph, &view(depth.size()), depth, &layers, color).color
+fn composited(graph: &mut Graph, build: Build, layers: Layers, depth: &ImageHandle, color: ImageHandle) -> ImageHandle {
+    let view = view(depth.size());
+    ABuffer { build, ..ABuffer::default() }.record(graph, &view, depth, &layers, color).color
 }
 
 /// Only how far layers are depends on it.
