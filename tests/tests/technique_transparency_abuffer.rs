@@ -15,7 +15,8 @@ use shadowgraph_tests::render::{Subject, only};
 use shadowgraph_tests::soup::{BACKGROUND, Found, Kitchen, Random, Soup};
 use shadowgraph_tests::twin::layers::{Fragment, close_call, composite};
 
-const LISTS: ABuffer = ABuffer { build: Build::Lists(Sizing::Counted), format: NodeFormat::Compact, exponent: 0 };
+const LISTS: ABuffer =
+    ABuffer { build: Build::Lists(Sizing::Counted), format: NodeFormat::Compact, exponent: 0, memory: u64::MAX };
 const ARRAYS: ABuffer = ABuffer { build: Build::Arrays, ..LISTS };
 
 /// How near in depth two fragments may be before rounding may decide.
@@ -223,6 +224,27 @@ fn transparency_abuffer_with_too_few_nodes_is_built_again() {
         assert!(found.color == whole.color && found.count == whole.count, "capacity {capacity}");
     }
     println!("{} capacities up to {}", capacities.len(), whole.nodes + 1);
+    silent(shared());
+}
+
+/// Without room for all fragments the frame fails and says how much is needed; with just as much it is whole.
+#[test]
+fn transparency_abuffer_without_memory_says_how_much_it_needs() {
+    let mut kitchen = Kitchen::new(shared(), &Soup::random(8, [16, 16], 3, 1));
+    for build in [ARRAYS, LISTS, ABuffer { build: Build::Lists(Sizing::Guessed(u32::MAX)), ..LISTS }] {
+        let whole = kitchen.run(ABuffer { memory: 1 << 20, ..build }, false).unwrap();
+        let nodes = whole.counter.unwrap_or(whole.nodes);
+        let needed = 16 * u64::from(nodes);
+        let said = kitchen.run(ABuffer { memory: needed - 1, ..build }, false).unwrap_err().to_string();
+        let expected = format!("{nodes} fragments need {needed} bytes; there may be {}", needed - 16);
+        assert!(said.contains(&expected), "{said}");
+        let enough = kitchen.run(ABuffer { memory: needed, ..build }, false).unwrap();
+        assert!(enough.color == whole.color);
+    }
+    // More than the device has at once: 40 layers of 2048×2048.
+    let soup = Soup::random(14, [2048, 2048], 0, 40);
+    let said = Kitchen::new(shared(), &soup).run(ARRAYS, false).unwrap_err().to_string();
+    assert!(said.contains("fragments need 2"), "{said}");
     silent(shared());
 }
 

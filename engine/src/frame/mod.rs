@@ -18,7 +18,7 @@ use crate::techniques::shadow::{Receivers, map_sampler};
 use crate::techniques::surface::depth::DepthPrepass;
 use crate::techniques::surface::gbuffer::{GBuffer, Precision, Surfaces};
 use crate::techniques::surface::position::Position;
-use crate::techniques::transparency::abuffer::{ABuffer, Blended, Composited, NodeFormat};
+use crate::techniques::transparency::abuffer::{ABuffer, Blended, COMPACT_TRIANGLES, Composited, NodeFormat};
 use crate::techniques::transparency::forward::{ForwardLights, ForwardShadow};
 use crate::techniques::transparency::sorted::Sorted;
 
@@ -47,6 +47,8 @@ pub struct FrameSettings {
     pub precision: Precision,
     /// How blended surfaces are composited.
     pub transparency: Transparency,
+    /// Most bytes that the A-buffer's layers may take.
+    pub layer_memory: u64,
     /// Which layers are captured. What only others need is not rendered.
     pub layers: Selection,
 }
@@ -61,6 +63,7 @@ impl FrameSettings {
             environment: Vec3::ZERO,
             precision: Precision::default(),
             transparency: Transparency::default(),
+            layer_memory: u64::MAX,
             layers: Selection::All,
         }
     }
@@ -140,13 +143,14 @@ impl FrameSettings {
         if !any || self.transparency == Transparency::Sorted {
             return (Sorted.record(graph, scene, view, depth, lights, color), None);
         }
+        let blended = Blended::new(graph, scene, *view, lights);
         let format = match self.precision {
-            Precision::Compact => NodeFormat::Compact,
             Precision::Float => NodeFormat::Float,
+            Precision::Compact if blended.triangles() > COMPACT_TRIANGLES => NodeFormat::Half,
+            Precision::Compact => NodeFormat::Compact,
         };
         // Up to a million cd/m²: highlights of the sun are beyond what nodes hold as they are.
-        let abuffer = ABuffer { format, exponent: 4, ..ABuffer::default() };
-        let blended = Blended::new(graph, scene, *view, lights);
+        let abuffer = ABuffer { format, exponent: 4, memory: self.layer_memory, ..ABuffer::default() };
         let Composited { color, count, front, report, .. } = abuffer.record(graph, view, depth, &blended, color);
         (color, Some(TransparentLayers { count, front, report }))
     }

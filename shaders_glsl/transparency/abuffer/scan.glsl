@@ -19,9 +19,15 @@ uint class_of(uint count) {
     return uint(count > 4u) + uint(count > 8u) + uint(count > SHORT);
 }
 
+// A sum that stays at the largest number: more than any device has room for.
+uint add_nodes(uint a, uint b) {
+    uint sum = a + b;
+    return sum < a ? 0xffffffffu : sum;
+}
+
 Sums add(Sums a, Sums b) {
     Sums sum;
-    sum.nodes = a.nodes + b.nodes;
+    sum.nodes = add_nodes(a.nodes, b.nodes);
     sum.longest = max(a.longest, b.longest);
     sum.pixels[0] = a.pixels[0] + b.pixels[0];
     sum.pixels[1] = a.pixels[1] + b.pixels[1];

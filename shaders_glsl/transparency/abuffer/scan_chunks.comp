@@ -26,7 +26,7 @@ void main() {
         ivec2 at = ivec2(pixel % abuffer.size.x, pixel / abuffer.size.x);
         uint count = uint(texelFetch(counts, at, 0).r) * abuffer.used;
         uint own = class_of(count);
-        sums.nodes += count;
+        sums.nodes = add_nodes(sums.nodes, count);
         sums.longest = max(sums.longest, count);
         sums.pixels[0] += uint(own == 0u && count > 0u);
         sums.pixels[1] += uint(own == 1u);

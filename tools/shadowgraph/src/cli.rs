@@ -97,6 +97,10 @@ pub struct FrameArguments {
     /// slower
     #[arg(long, value_enum, value_name = "KIND", default_value_t = TransparencyKind::Sorted)]
     pub transparency: TransparencyKind,
+    /// Most memory for the layers of `--transparency abuffer`, in MiB; otherwise as much as the device gives. Where it is
+    /// not enough, the command fails and says how much would be
+    #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..=1 << 30))]
+    pub layer_memory: Option<u64>,
     /// Layers to keep, by name or by first part of the name, between commas: color,Z,N,id. What no layer needs is not
     /// rendered. An unknown name makes the command list the known ones
     #[arg(long, value_name = "LIST|all", value_parser = arguments::layers, default_value = "all")]

@@ -64,6 +64,7 @@ pub fn frame_settings(arguments: &FrameArguments, scene: &Scene, camera: &Camera
         environment: glam::Vec3::splat(environment),
         layers: arguments.layers.clone(),
         transparency: arguments.transparency.into(),
+        layer_memory: arguments.layer_memory.map_or(u64::MAX, |mebibytes| mebibytes << 20),
         ..FrameSettings::new(camera.view(arguments.size.0))
     }
 }

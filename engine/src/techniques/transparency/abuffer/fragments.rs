@@ -57,9 +57,10 @@ impl<'s, 'f> Blended<'s, 'f> {
         Self { scene, view, lights, pull_vertices }
     }
 
-    /// Whether there is anything to see.
-    pub fn is_empty(&self) -> bool {
-        self.scene.draws.visible(DrawClass::Blend, &ViewSet::from(self.view).frusta()).is_empty()
+    /// Triangles that nodes have to be told apart by.
+    pub fn triangles(&self) -> u64 {
+        let blended = self.scene.draws.draws().iter().filter(|draw| draw.class == DrawClass::Blend);
+        blended.map(|draw| draw.indices.len() as u64 / 3 * draw.instances.len() as u64).sum()
     }
 
     fn texture_sets(&self) -> Vec<u32> {

@@ -12,7 +12,7 @@ mod resolve;
 mod scan;
 
 pub use fragments::{Blended, Draw, Fragments, Step};
-pub use node::NodeFormat;
+pub use node::{COMPACT_TRIANGLES, NodeFormat};
 pub use resolve::MOST_LAYERS;
 
 use self::scan::Scanned;
@@ -21,7 +21,7 @@ use crate::scene::View;
 use crate::shader::generated::blocks;
 
 /// A-buffer.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ABuffer {
     /// How fragments come to their pixels.
     pub build: Build,
@@ -30,6 +30,15 @@ pub struct ABuffer {
     /// Colours are stored as multiples of two to this power: it moves the range that the format can hold. From -64 to
     /// 64.
     pub exponent: i32,
+    /// Most bytes that nodes may take. The device's largest allocation is a limit anyway.
+    pub memory: u64,
+}
+
+impl Default for ABuffer {
+    /// Counted arrays of compact nodes, as many as the device has room for.
+    fn default() -> Self {
+        Self { build: Build::default(), format: NodeFormat::default(), exponent: 0, memory: u64::MAX }
+    }
 }
 
 /// How fragments come to their pixels. The picture is the same.
@@ -83,7 +92,7 @@ struct Built {
 impl ABuffer {
     /// Composites all fragments before the opaque `depth` over `color` (R32G32B32A32 float, premultiplied).
     ///
-    /// Running the frame fails with [`crate::Error::Invalid`], and says what would be needed, where the device has no
+    /// Running the frame fails with [`crate::Error::Invalid`], and says what would be needed, where there is no
     /// room for all fragments or a pixel has more than [`MOST_LAYERS`].
     pub fn record<'f>(
         &self,

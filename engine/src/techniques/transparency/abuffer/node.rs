@@ -7,6 +7,9 @@ use crate::shader::generated::transparency::abuffer::array_frag as shader;
 use super::ABuffer;
 use crate::{Error, Result};
 
+/// Triangles that the keys of [`NodeFormat::Compact`] tell apart.
+pub const COMPACT_TRIANGLES: u64 = 1 << 24;
+
 /// How colour and alpha are stored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum NodeFormat {
@@ -50,10 +53,11 @@ pub(super) fn texels_size(texels: u64) -> [u32; 2] {
 }
 
 impl ABuffer {
-    /// Most nodes that an image of this device holds.
+    /// Most nodes that there may be.
     pub(super) fn most_nodes(&self, caps: &Caps, linked: bool) -> u64 {
         let rows = u64::from(caps.limits.max_image_dimension_2d);
-        let texels = (rows * u64::from(ROW)).min(caps.limits.max_allocation_size / TEXEL);
+        let bytes = caps.limits.max_allocation_size.min(self.memory);
+        let texels = (rows * u64::from(ROW)).min(bytes / TEXEL);
         (texels / self.format.texels(linked)).min(u64::from(u32::MAX - 1))
     }
 
@@ -69,9 +73,9 @@ impl ABuffer {
     pub(super) fn nodes_size(&self, caps: &Caps, nodes: u64, linked: bool) -> Result<[u32; 2]> {
         let most = self.most_nodes(caps, linked);
         if nodes > most {
-            let mebibytes = |nodes: u64| (nodes * self.format.texels(linked) * TEXEL).div_ceil(1 << 20);
-            let (needed, allowed) = (mebibytes(nodes), mebibytes(most));
-            let wrong = format!("{nodes} fragments need a budget of {needed} MiB; this device allows {allowed} MiB");
+            let bytes = |nodes: u64| nodes * self.format.texels(linked) * TEXEL;
+            let (needed, allowed) = (bytes(nodes), bytes(most));
+            let wrong = format!("{nodes} fragments need {needed} bytes; there may be {allowed}");
             return Err(Error::invalid("A-buffer", wrong));
         }
         Ok(self.image_size(nodes, linked))
