@@ -15,6 +15,7 @@ pub mod packing;
 pub mod panes;
 pub mod parallel;
 pub mod render;
+pub mod solids;
 pub mod soup;
 pub mod tiny;
 pub mod twin;

@@ -6,3 +6,4 @@ pub mod shading;
 pub mod shadow;
 pub mod surface;
 pub mod transparency;
+pub mod voxel;

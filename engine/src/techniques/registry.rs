@@ -34,4 +34,6 @@ pub static TECHNIQUES: &[Technique] = &[
         name: "sorted",
         summary: "blended materials, forward-shaded, sorted by object",
     },
+    Technique { family: "voxel", name: "bitmask", summary: "solid voxelization by XOR of column bits, in one pass" },
+    Technique { family: "voxel", name: "conservative", summary: "every voxel that a triangle touches" },
 ];

@@ -12,6 +12,7 @@ pub mod scene;
 pub mod shadow;
 pub mod surface;
 pub mod texture;
+pub mod voxel;
 
 #[cfg(test)]
 mod tests;

@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use glam::Vec3;
 use shadowgraph::frame::Selection;
+use shadowgraph::techniques::voxel::MAX_RESOLUTION;
 
 /// Greatest width and height of a picture.
 pub const LARGEST: u32 = 16384;
@@ -29,6 +30,26 @@ impl FromStr for Size {
 impl std::fmt::Display for Size {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}x{}", self.0[0], self.0[1])
+    }
+}
+
+/// Voxels along x, y and z: `N`, or `X,Y,Z`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Resolution(pub [u32; 3]);
+
+impl FromStr for Resolution {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let counts: Option<Vec<u32>> = text
+            .split(',')
+            .map(|count| count.trim().parse().ok().filter(|count| (1..=MAX_RESOLUTION).contains(count)))
+            .collect();
+        match counts.as_deref() {
+            Some(&[n]) => Ok(Self([n; 3])),
+            Some(&[x, y, z]) => Ok(Self([x, y, z])),
+            _ => Err(format!("expected N or X,Y,Z such as 128 or 64,32,64, each from 1 to {MAX_RESOLUTION}")),
+        }
     }
 }
 
@@ -103,6 +124,14 @@ pub fn not_negative(text: &str) -> Result<f32, String> {
     }
 }
 
+/// Reads a number that is finite and greater than 0.
+pub fn positive(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
+        _ => Err("expected a finite number greater than 0".into()),
+    }
+}
+
 /// Reads a list of layers: `all`, or names between commas.
 pub fn layers(text: &str) -> Result<Selection, String> {
     let names: Vec<String> = text.split(',').map(|name| name.trim().to_string()).collect();
@@ -153,6 +182,15 @@ mod tests {
         }
         let size: Size = "7x9".parse().unwrap();
         assert_eq!(size.to_string(), "7x9");
+    }
+
+    #[test]
+    fn resolutions() {
+        assert_eq!("64".parse::<Resolution>().unwrap().0, [64; 3]);
+        assert_eq!("64, 1,1024".parse::<Resolution>().unwrap().0, [64, 1, 1024]);
+        for bad in ["", "0", "1025", "1,2", "1,2,3,4", "-1", "1.5", "a"] {
+            assert!(bad.parse::<Resolution>().unwrap_err().contains("64,32,64"), "{bad}");
+        }
     }
 
     #[test]

@@ -7,7 +7,7 @@ use glam::Vec3;
 use shadowgraph::capture::Compression;
 use shadowgraph::frame::{Selection, Transparency};
 
-use crate::arguments::{self, SceneSource, Size, Sun};
+use crate::arguments::{self, Resolution, SceneSource, Size, Sun};
 
 /// Renders a glTF scene with Vulkan and writes every buffer of the frame into one OpenEXR file: colour, depth, normals,
 /// positions, materials, ids, shadows. It needs no window and no graphics card.
@@ -40,6 +40,8 @@ pub enum Command {
     Capture(CaptureArguments),
     /// Show the render graph of a frame: passes, resources, barriers
     Graph(GraphArguments),
+    /// Turn a scene's solids or surfaces into a grid of voxels and write it
+    Voxelize(VoxelizeArguments),
     /// Show the device, its driver, and what they can do
     Info(InfoArguments),
     /// Measure how long things take
@@ -219,6 +221,66 @@ pub enum GraphFormat {
     Text,
 }
 
+/// Arguments of `voxelize`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "\
+Writes a NumPy array of bytes, indexed [z,y,x], 1 where a voxel's centre is inside a solid (bitmask) or a triangle \
+touches the voxel (conservative), and beside it a .json file \
+that says where the voxels are: voxel (i,j,k) has its centre at min + (i+1/2, j+1/2, k+1/2) * voxel_edge.
+
+Examples:
+  shadowgraph voxelize scene.glb --resolution 256 -o scene.npy
+  shadowgraph voxelize scene.glb --resolution 64,32,64 --min -1,0,-1 --edge 2 -o scene.npy --json")]
+pub struct VoxelizeArguments {
+    /// A .gltf or .glb file, or a built-in scene: builtin:NAME
+    #[arg(value_parser = arguments::scene)]
+    pub scene: SceneSource,
+    /// Voxels along each axis, or along x, y and z; the grid of one number is a cube
+    #[arg(long, value_name = "N|X,Y,Z", default_value = "128")]
+    pub resolution: Resolution,
+    /// Lower corner of the grid in metres; otherwise the grid is around the scene
+    #[arg(long, value_name = "X,Y,Z", value_parser = arguments::point, allow_hyphen_values = true, requires = "edge")]
+    pub min: Option<Vec3>,
+    /// Length of the grid along its axis with the most voxels, in metres
+    #[arg(long, value_name = "METRES", value_parser = arguments::positive, allow_hyphen_values = true, requires = "min")]
+    pub edge: Option<f32>,
+    /// The axis that columns of voxels run along. Which one matters only where a surface has holes
+    #[arg(long, value_enum, default_value_t = AxisName::Z)]
+    pub axis: AxisName,
+    /// How voxels are found
+    #[arg(long, value_enum, default_value_t = VoxelMethod::Bitmask)]
+    pub method: VoxelMethod,
+    /// The NumPy file to write
+    #[arg(short, long, value_name = "FILE.npy")]
+    pub output: PathBuf,
+    /// Print one JSON object: what the .json file has, times and memory
+    #[arg(long)]
+    pub json: bool,
+    /// The device
+    #[command(flatten)]
+    pub device: DeviceArguments,
+}
+
+/// An axis of the world.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum AxisName {
+    /// World x.
+    X,
+    /// World y.
+    Y,
+    /// World z.
+    Z,
+}
+
+/// A way to find voxels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum VoxelMethod {
+    /// Solids, by XOR of column bits.
+    Bitmask,
+    /// Surfaces: every voxel that a triangle touches.
+    Conservative,
+}
+
 /// Arguments of `info`.
 #[derive(Args, Clone, Debug)]
 pub struct InfoArguments {
@@ -240,6 +302,7 @@ Benchmarks:
            compilation, rendering, read-back, writing; cold (no compiled shaders on disk) and warm
   graph    chains and trees of 10 to 10 000 small passes: describing, planning, recording, memory
   write    writing of captures, by compression; needs no device
+  voxelize voxels of spheres, from triangles in memory to bits in memory, uploads and read-back included
 
 Examples:
   shadowgraph bench
@@ -273,6 +336,8 @@ pub enum BenchName {
     Graph,
     /// Writing files.
     Write,
+    /// Voxels.
+    Voxelize,
 }
 
 #[cfg(test)]

@@ -15,6 +15,7 @@ mod output;
 mod phases;
 mod session;
 mod view;
+mod voxelize;
 
 use std::process::ExitCode;
 
@@ -33,6 +34,7 @@ fn main() -> ExitCode {
     let done = match &cli.command {
         Command::Capture(arguments) => capture::run(arguments, started),
         Command::Graph(arguments) => graph::run(arguments),
+        Command::Voxelize(arguments) => voxelize::run(arguments),
         Command::Info(arguments) => info::run(arguments),
         Command::Bench(arguments) => bench::run(arguments),
     };

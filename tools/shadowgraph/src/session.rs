@@ -42,18 +42,24 @@ fn refuse_messages(messages: &Messages) -> Result<()> {
     Ok(())
 }
 
-/// Loads a scene and gives it a sun where it is to have one.
-pub fn load(arguments: &FrameArguments) -> Result<Scene> {
-    let mut scene = match &arguments.scene {
+/// Loads a scene, and tells its warnings.
+pub fn scene(source: &SceneSource) -> Result<Scene> {
+    let scene = match source {
         SceneSource::Builtin(name) => Scene::builtin(name),
         SceneSource::File(path) => Scene::load(path),
     }
     .map_err(Failure::input)?;
     for warning in &scene.warnings {
-        log::warn!("{}: {warning}", arguments.scene);
+        log::warn!("{source}: {warning}");
     }
-    view::set_sun(&mut scene, arguments.sun);
     Ok(scene)
+}
+
+/// Loads the scene of a frame and gives it a sun where it is to have one.
+pub fn load(arguments: &FrameArguments) -> Result<Scene> {
+    let mut loaded = scene(&arguments.scene)?;
+    view::set_sun(&mut loaded, arguments.sun);
+    Ok(loaded)
 }
 
 /// Settings of a frame as the arguments have them.

@@ -77,7 +77,7 @@ fn help_is_no_failure_and_bad_usage_is() {
     is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--size", "0x9"], "1280x720");
     is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--eye", "1,2"], "three finite numbers");
     is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--compression", "lzw"], "piz");
-    is_refused(&["bench", "nothing"], "capture, graph, write");
+    is_refused(&["bench", "nothing"], "capture, graph, write, voxelize");
 }
 
 #[test]
@@ -314,4 +314,38 @@ fn benchmarks_print_one_object_a_line() {
         }
     }
     assert!(metrics.contains(&"write zip time".to_string()) && metrics.contains(&"write none size".to_string()));
+}
+
+#[test]
+fn voxels_are_written_with_what_they_mean() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["voxelize", "builtin:cornell", "--resolution", "32", "--validation", "-o", "room.npy", "--json"];
+    let told: serde_json::Value = serde_json::from_str(&stdout(&succeeds(&folder, &arguments))).unwrap();
+    let beside: serde_json::Value =
+        serde_json::from_slice(&fs::read(folder.path().join("room.json")).unwrap()).unwrap();
+    assert_eq!((&told["set"], &told["min"]), (&beside["set"], &beside["min"]));
+    let array = fs::read(folder.path().join("room.npy")).unwrap();
+    let (header, bytes) = array.split_at(array.len() - 32 * 32 * 32);
+    assert!(String::from_utf8_lossy(header).contains("(32, 32, 32)"));
+    let set = bytes.iter().filter(|&&byte| byte == 1).count();
+    assert!(set > 0 && bytes.iter().all(|&byte| byte <= 1));
+    assert_eq!(beside["set"], set);
+
+    // The built-in room is open to the front, and its bounds are known.
+    assert!(!beside["open_meshes"].as_array().unwrap().is_empty());
+    let grid = ["--resolution", "8,4,2", "--min", "-1,0,-1", "--edge", "2", "-o", "part.npy"];
+    let output = succeeds(&folder, &[&["voxelize", "builtin:cornell"], &grid[..]].concat());
+    assert!(stdout(&output).contains("8×4×2") && stderr(&output).contains("is not closed"), "{output:?}");
+
+    // Surfaces need not be closed.
+    let surface = ["voxelize", "builtin:cornell", "--method", "conservative", "--resolution", "16", "-o", "walls.npy"];
+    assert_eq!(stderr(&succeeds(&folder, &surface)).matches("warn").count(), 0);
+
+    let voxelize = |more: &[&'static str]| [&["voxelize", "builtin:cornell", "-o", "o.npy"], more].concat();
+    is_refused(&voxelize(&["--resolution", "0"]), "1 to 1024");
+    is_refused(&voxelize(&["--resolution", "8,8,8,8"]), "64,32,64");
+    is_refused(&voxelize(&["--resolution", "8,4,2"]), "--min and --edge");
+    is_refused(&voxelize(&["--min", "0,0,0"]), "--edge");
+    is_refused(&voxelize(&["--min", "0,0,0", "--edge", "-1"]), "greater than 0");
+    is_refused(&["voxelize", "builtin:cornell", "-o", "o.vox"], ".npy");
 }

@@ -38,6 +38,14 @@ impl<'g, 'f> RasterPass<'g, 'f> {
         self
     }
 
+    /// Draws over so many pixels without an attachment, for what shaders store elsewhere. With one, its size counts.
+    pub fn area(&mut self, size: [u32; 2]) -> &mut Self {
+        if self.attachments.size == [0; 2] {
+            (self.attachments.size, self.attachments.layers) = (size, 1);
+        }
+        self
+    }
+
     /// Writes a colour attachment through a fragment shader's output.
     pub fn color(&mut self, slot: ColorSlot, handle: ImageHandle, load: Load<[f32; 4]>) -> ImageHandle {
         let clear = |rgba| vk::ClearValue { color: vk::ClearColorValue { float32: rgba } };
@@ -88,7 +96,7 @@ impl<'g, 'f> RasterPass<'g, 'f> {
         let Self { graph, collected, programs, targets, attachments } = self;
         let name = &collected.name;
         if attachments.size == [0; 2] {
-            graph.mistake(Some(name), None, "has no attachment".into(), "colour or depth".into());
+            graph.mistake(Some(name), None, "has no attachment".into(), "colour or depth, or an area".into());
         }
         for program in &programs {
             for output in program.fragment.map_or(&[][..], |shader| shader.outputs) {
@@ -134,7 +142,7 @@ impl<'g, 'f> RasterPass<'g, 'f> {
     /// All attachments of a pass have one size and one number of layers.
     fn cover(&mut self, slot: &str, handle: &ImageHandle) {
         let (size, layers) = (handle.size(), handle.layers()[1] - handle.layers()[0]);
-        let first = self.attachments.size == [0; 2];
+        let first = self.attachments.color.is_empty() && self.attachments.depth.is_none();
         if !first && (self.attachments.size != size || self.attachments.layers != layers) {
             let describe = |size: [u32; 2], layers| format!("{}×{} with {layers} layers", size[0], size[1]);
             let wrong = format!("is {}", describe(size, layers));

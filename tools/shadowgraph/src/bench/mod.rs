@@ -3,6 +3,7 @@
 mod abuffer;
 mod capture;
 mod graph;
+mod voxelize;
 mod write;
 
 use std::time::Duration;
@@ -39,6 +40,7 @@ pub fn run(arguments: &BenchArguments) -> Result<()> {
                 BenchName::Capture => capture::run(arguments, &mut tell)?,
                 BenchName::Graph => graph::run(arguments, &mut tell)?,
                 BenchName::Write => write::run(arguments, &mut tell)?,
+                BenchName::Voxelize => voxelize::run(arguments, &mut tell)?,
             }
         }
     }

@@ -1,0 +1,47 @@
+// The column mask behind the surface, for an XOR logic operation into TARGETS attachments of 128 voxels each.
+#extension GL_EXT_scalar_block_layout : require
+#include "common/voxels.glsl"
+
+layout(location = 0) in float depth;
+
+layout(location = 0) out uvec4 words_0;
+#if TARGETS > 1
+layout(location = 1) out uvec4 words_1;
+#endif
+#if TARGETS > 2
+layout(location = 2) out uvec4 words_2;
+layout(location = 3) out uvec4 words_3;
+#endif
+#if TARGETS > 4
+layout(location = 4) out uvec4 words_4;
+layout(location = 5) out uvec4 words_5;
+layout(location = 6) out uvec4 words_6;
+layout(location = 7) out uvec4 words_7;
+#endif
+
+uvec4 words_from(int first, uint word) {
+    return uvec4(
+        bits_from(first, word),
+        bits_from(first, word + 1u),
+        bits_from(first, word + 2u),
+        bits_from(first, word + 3u)
+    );
+}
+
+void main() {
+    int first = first_voxel_behind(depth);
+    words_0 = words_from(first, 0u);
+#if TARGETS > 1
+    words_1 = words_from(first, 4u);
+#endif
+#if TARGETS > 2
+    words_2 = words_from(first, 8u);
+    words_3 = words_from(first, 12u);
+#endif
+#if TARGETS > 4
+    words_4 = words_from(first, 16u);
+    words_5 = words_from(first, 20u);
+    words_6 = words_from(first, 24u);
+    words_7 = words_from(first, 28u);
+#endif
+}

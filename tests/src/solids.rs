@@ -1,0 +1,95 @@
+//! Solids to voxelize, and a picture of their voxels.
+
+use glam::{EulerRot, Mat4, Quat, Vec3};
+use shadowgraph::geometry::Aabb;
+use shadowgraph::scene::{Primitive, Scene};
+use shadowgraph::techniques::voxel::Voxels;
+
+use crate::figures::Picture;
+use crate::tiny;
+
+/// World-space bounds of all vertices.
+pub fn bounds(scene: &Scene) -> Aabb {
+    let objects = scene.objects.iter().flat_map(|object| {
+        let points = scene.meshes[object.mesh].primitives.iter().flat_map(|p| &p.positions);
+        points.map(|&p| object.world_from_object.transform_point3(p))
+    });
+    Aabb::around(objects).unwrap_or_else(|| panic!("{} has no vertex", scene.name))
+}
+
+/// A scene of these parts.
+pub fn one(name: &str, parts: Vec<(Primitive, Mat4)>) -> Scene {
+    let mut scene = tiny::empty();
+    scene.name = name.into();
+    for (primitive, world_from_object) in parts {
+        tiny::add(&mut scene, primitive, world_from_object);
+    }
+    scene
+}
+
+/// A torus around the z axis, with radii 1 and 0.4, of `2 · around · across` triangles.
+pub fn torus(around: u32, across: u32) -> Primitive {
+    let point = |i: u32, k: u32| {
+        let turn = |n: u32, of: u32| std::f32::consts::TAU * (n % of) as f32 / of as f32;
+        let (u, v) = (turn(i, around), turn(k, across));
+        let ring = 1.0 + 0.4 * v.cos();
+        Vec3::new(ring * u.cos(), ring * u.sin(), 0.4 * v.sin())
+    };
+    let quads = (0..around).flat_map(|i| (0..across).map(move |k| [i, k]));
+    let triangles: Vec<_> = quads
+        .flat_map(|[i, k]| {
+            let [a, b, c, d] = [point(i, k), point(i + 1, k), point(i + 1, k + 1), point(i, k + 1)];
+            [[a, b, c], [a, c, d]]
+        })
+        .collect();
+    tiny::triangles(&triangles, 0)
+}
+
+/// Tetrahedra of all sizes that run through one another.
+pub fn soup(count: usize) -> Primitive {
+    let mut random = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut unit = || {
+        random ^= random << 13;
+        random ^= random >> 7;
+        random ^= random << 17;
+        (random >> 40) as f32 / (1 << 24) as f32
+    };
+    let mut triangles = Vec::new();
+    for _ in 0..count {
+        let middle = Vec3::new(unit(), unit(), unit());
+        let size = 0.5 * unit() * unit();
+        let corners = [(); 4].map(|()| middle + size * (Vec3::new(unit(), unit(), unit()) - 0.5));
+        for [a, b, c] in [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]] {
+            triangles.push([corners[a], corners[b], corners[c]]);
+        }
+    }
+    tiny::triangles(&triangles, 0)
+}
+
+/// A rotation that no axis of the grid survives.
+pub fn awkward() -> Mat4 {
+    Mat4::from_quat(Quat::from_euler(EulerRot::YXZ, 0.7313, 0.4127, 1.1931))
+}
+
+/// The voxels from the front, which glTF has at the greatest z, lit from the upper left.
+pub fn front(voxels: &Voxels) -> Picture {
+    let [nx, ny, nz] = voxels.grid().size();
+    let depth = |x: u32, y: u32| (0..nz).rev().find(|&z| voxels.get([x, y, z])).map(|z| z as f32);
+    let scale = 3;
+    let mut pixels = Vec::new();
+    for row in 0..scale * ny {
+        for column in 0..scale * nx {
+            let (x, y) = (column / scale, ny - 1 - row / scale);
+            let lit = depth(x, y).map(|z| {
+                let slope = |other: Option<f32>| (z - other.unwrap_or(0.0)).clamp(-3.0, 3.0);
+                let (left, up) = (slope(depth(x.wrapping_sub(1), y)), slope(depth(x, y + 1)));
+                let normal = Vec3::new(-left, up, 1.6).normalize();
+                let grid_line = if column % scale == 0 || row % scale == 0 { 0.8 } else { 1.0 };
+                grid_line * (0.15 + 0.85 * normal.dot(Vec3::new(-0.4, 0.6, 0.7).normalize()).max(0.0))
+            });
+            pixels.push(lit.map_or([0.02, 0.02, 0.03], |lit| [0.75, 0.68, 0.6].map(|c| c * lit)));
+        }
+    }
+    let caption = format!("{nx}³ voxels, seen along an axis");
+    Picture { size: [scale * nx, scale * ny], pixels, exposure: 1.0, caption }
+}

@@ -1,0 +1,141 @@
+//! Voxels of solids, by the parity of crossings.
+//!
+//! - Grid coordinates count voxels from the grid's lower corner; voxel (i, j, k) has its centre at (i, j, k) + ½.
+//! - A voxel is inside where a ray from its centre towards smaller x crosses an odd number of triangles.
+//! - The test of a row against an edge gives exactly opposite values for the two triangles that share it, and a row on an
+//!   edge belongs to one side of it, so a closed surface is crossed an even number of times.
+
+use glam::DVec3;
+use shadowgraph::techniques::voxel::Grid;
+
+use super::scene::Scene;
+
+/// A scene's triangles in grid coordinates.
+pub fn in_grid(scene: &Scene, grid: &Grid) -> Vec<[DVec3; 3]> {
+    let (min, edge) = (grid.min().as_dvec3(), f64::from(grid.edge()));
+    scene.triangles.iter().map(|triangle| triangle.positions.map(|p| (p - min) / edge)).collect()
+}
+
+/// Whether each voxel is inside, in the order `[z][y][x]`.
+pub fn solid(triangles: &[[DVec3; 3]], size: [u32; 3]) -> Vec<bool> {
+    let [nx, ny, nz] = size.map(|n| n as usize);
+    let mut flips = vec![false; nx * ny * nz];
+    for triangle in triangles {
+        let rows = |axis: usize, n: usize| {
+            let values = triangle.map(|p| p[axis]);
+            let least = values.into_iter().fold(f64::INFINITY, f64::min) - 0.5;
+            let most = values.into_iter().fold(f64::NEG_INFINITY, f64::max) - 0.5;
+            least.ceil().clamp(0.0, n as f64) as usize..(most.floor() + 1.0).clamp(0.0, n as f64) as usize
+        };
+        for z in rows(2, nz) {
+            for y in rows(1, ny) {
+                let Some(x) = crossing(triangle, y as f64 + 0.5, z as f64 + 0.5) else { continue };
+                // The first voxel of the row with its centre beyond the crossing.
+                let first = (x - 0.5).floor() + 1.0;
+                if first < nx as f64 {
+                    flips[(z * ny + y) * nx + first.max(0.0) as usize] ^= true;
+                }
+            }
+        }
+    }
+    for row in flips.chunks_mut(nx) {
+        let mut inside = false;
+        for voxel in row {
+            inside ^= *voxel;
+            *voxel = inside;
+        }
+    }
+    flips
+}
+
+/// Where the line along x at (y, z) crosses a triangle.
+fn crossing(triangle: &[DVec3; 3], y: f64, z: f64) -> Option<f64> {
+    let sides = [0, 1, 2].map(|i| side(triangle[(i + 1) % 3], triangle[(i + 2) % 3], y, z));
+    if sides.iter().any(|&(positive, _)| positive != sides[0].0) {
+        return None;
+    }
+    let total: f64 = sides.iter().map(|&(_, area)| area).sum();
+    let weighted = |i: usize| triangle[i].x * sides[i].1;
+    let x = (weighted(0) + weighted(1) + weighted(2)) / total;
+    // Slivers divide nearly nothing by nearly nothing: what lies in the triangle lies between its corners.
+    let [a, b, c] = triangle.map(|p| p.x);
+    Some(if x.is_finite() { x.clamp(a.min(b).min(c), a.max(b).max(c)) } else { a })
+}
+
+/// Which side of the edge from `a` to `b` the point lies on, and twice the area they span. The edge is taken in one
+/// direction whichever triangle asks, so that both get opposite answers, also for a point on it.
+fn side(a: DVec3, b: DVec3, y: f64, z: f64) -> (bool, f64) {
+    let turned = (a.y, a.z) > (b.y, b.z);
+    let (from, to) = if turned { (b, a) } else { (a, b) };
+    let area = (to.y - from.y) * (z - from.z) - (to.z - from.z) * (y - from.y);
+    if turned { (area < 0.0, -area) } else { (area >= 0.0, area) }
+}
+
+/// Whether a point lies at most so far from one of some triangles.
+pub fn is_near(point: DVec3, triangles: &[[DVec3; 3]], limit: f64) -> bool {
+    let beside = |[a, b, c]: &[DVec3; 3]| {
+        let (least, most) = (a.min(*b).min(*c) - limit, a.max(*b).max(*c) + limit);
+        point.cmplt(least).any() || point.cmpgt(most).any()
+    };
+    triangles.iter().any(|triangle| !beside(triangle) && nearest(point, triangle).distance(point) <= limit)
+}
+
+/// The point of a triangle that is nearest to another one.
+fn nearest(p: DVec3, &[a, b, c]: &[DVec3; 3]) -> DVec3 {
+    let (ab, ac, bc) = (b - a, c - a, c - b);
+    let normal = ab.cross(ac);
+    let on_edge = |from: DVec3, edge: DVec3| {
+        let along = if edge.length_squared() > 0.0 { (p - from).dot(edge) / edge.length_squared() } else { 0.0 };
+        from + edge * along.clamp(0.0, 1.0)
+    };
+    // Inside all three edges, the foot on the plane is the nearest; otherwise a point of an edge is.
+    let inside = [(a, ab), (b, bc), (c, -ac)].iter().all(|&(from, edge)| edge.cross(p - from).dot(normal) >= 0.0);
+    if inside && normal.length_squared() > 0.0 {
+        return p - normal * ((p - a).dot(normal) / normal.length_squared());
+    }
+    let edges = [on_edge(a, ab), on_edge(a, ac), on_edge(b, bc)];
+    edges.into_iter().min_by(|x, y| x.distance_squared(p).total_cmp(&y.distance_squared(p))).unwrap_or(a)
+}
+
+/// Volume inside a closed surface, in cubes of a voxel.
+pub fn volume(triangles: &[[DVec3; 3]]) -> f64 {
+    triangles.iter().map(|[a, b, c]| a.dot(b.cross(*c)) / 6.0).sum()
+}
+
+/// Whether a triangle and a closed box touch: some point is in both. By separating axes (Gottschalk et al. 1996).
+pub fn touches(triangle: &[DVec3; 3], center: DVec3, half: f64) -> bool {
+    let corners = triangle.map(|p| p - center);
+    let edges = [0, 1, 2].map(|i| corners[(i + 1) % 3] - corners[i]);
+    let boxes = [DVec3::X, DVec3::Y, DVec3::Z];
+    let across = edges.iter().flat_map(|edge| boxes.map(|axis| edge.cross(axis)));
+    let mut axes = boxes.into_iter().chain([edges[0].cross(edges[1])]).chain(across);
+    axes.all(|axis| {
+        let along = corners.map(|p| p.dot(axis));
+        let radius = half * (axis.x.abs() + axis.y.abs() + axis.z.abs());
+        let least = along.into_iter().fold(f64::INFINITY, f64::min);
+        let most = along.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        least <= radius && most >= -radius
+    })
+}
+
+/// Voxels whose closed boxes, grown by `margin` voxels on every side, one of the triangles touches; `[z][y][x]`.
+pub fn touched(triangles: &[[DVec3; 3]], size: [u32; 3], margin: f64) -> Vec<bool> {
+    let [nx, ny, nz] = size.map(|n| n as usize);
+    let half = 0.5 + margin;
+    let mut set = vec![false; nx * ny * nz];
+    for triangle in triangles {
+        let range = |axis: usize, n: usize| {
+            let values = triangle.map(|p| p[axis]);
+            let least = values.into_iter().fold(f64::INFINITY, f64::min) - 0.5 - half;
+            let most = values.into_iter().fold(f64::NEG_INFINITY, f64::max) - 0.5 + half;
+            least.floor().clamp(0.0, n as f64) as usize..(most.ceil() + 1.0).clamp(0.0, n as f64) as usize
+        };
+        for (z, y, x) in range(2, nz).flat_map(|z| range(1, ny).flat_map(move |y| range(0, nx).map(move |x| (z, y, x))))
+        {
+            let voxel = &mut set[(z * ny + y) * nx + x];
+            let center = DVec3::new(x as f64, y as f64, z as f64) + 0.5;
+            *voxel = *voxel || touches(triangle, center, half);
+        }
+    }
+    set
+}

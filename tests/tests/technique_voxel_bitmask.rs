@@ -1,0 +1,168 @@
+//! Solid voxels from one pass of XOR against parity along rays.
+#![allow(missing_docs, clippy::unwrap_used)]
+
+use glam::{DVec3, Mat4, Vec3};
+use shadowgraph::gpu::Gpu;
+use shadowgraph::graph::{Executor, Graph};
+use shadowgraph::scene::{Primitive, Scene};
+use shadowgraph::techniques::voxel::bitmask::{Bitmask, Combine};
+use shadowgraph::techniques::voxel::{Axis, Grid, Voxels};
+use shadowgraph_tests::device::{shared, silent};
+use shadowgraph_tests::figures::{self, Figure};
+use shadowgraph_tests::harness;
+use shadowgraph_tests::solids::{awkward, bounds, front, one, soup, torus};
+use shadowgraph_tests::{tiny, twin};
+
+/// What a rasteriser may do to a surface: it snaps vertices to 1/256 of a pixel.
+const NEAR: f64 = 1.0 / 128.0;
+
+fn voxelize(gpu: &Gpu, scene: &Scene, grid: &Grid, technique: Bitmask) -> Voxels {
+    let scene = scene.clone().upload(gpu).unwrap();
+    let mut graph = Graph::new("voxelize", gpu.caps());
+    let voxels = technique.record(&mut graph, &scene, grid).unwrap();
+    graph.capture("bits", &voxels.bits);
+    let plan = graph.compile(gpu).unwrap();
+    let executed = Executor::new(gpu).execute(&plan, graph).unwrap();
+    Voxels::read(executed.capture("bits").unwrap(), grid, voxels.axis).unwrap()
+}
+
+/// Voxels that agree, that differ where the surface is at most [`NEAR`], and that differ elsewhere.
+fn compare(voxels: &Voxels, truth: &Scene) -> [usize; 3] {
+    let grid = voxels.grid();
+    let triangles = twin::voxel::in_grid(&twin::scene::Scene::new(truth), grid);
+    let inside = twin::voxel::solid(&triangles, grid.size());
+    let [nx, ny, _] = grid.size().map(|n| n as usize);
+    let mut counts = [0; 3];
+    for (index, (&found, &inside)) in voxels.bytes().iter().zip(&inside).enumerate() {
+        let center = DVec3::new((index % nx) as f64, (index / nx % ny) as f64, (index / nx / ny) as f64) + 0.5;
+        let agrees = (found == 1) == inside;
+        counts[if agrees { 0 } else { 1 + usize::from(!twin::voxel::is_near(center, &triangles, NEAR)) }] += 1;
+    }
+    counts
+}
+
+fn scenes() -> Vec<Scene> {
+    let cuboid = |size: Vec3| tiny::cuboid(-0.5 * size, 0.5 * size, 0);
+    let mut scenes = vec![
+        one("sphere", vec![(tiny::sphere(64, 32, 0), Mat4::IDENTITY)]),
+        one("torus, turned", vec![(torus(64, 32), awkward())]),
+        one("cube", vec![(cuboid(Vec3::ONE), Mat4::IDENTITY)]),
+        one("thin plate, turned", vec![(cuboid(Vec3::new(1.0, 1.0, 0.02)), awkward())]),
+        one("needle, turned", vec![(cuboid(Vec3::new(1.0, 0.01, 0.01)), awkward())]),
+        one("200 tetrahedra", vec![(soup(200), Mat4::IDENTITY)]),
+        one("mirrored torus", vec![(torus(48, 24), Mat4::from_scale(Vec3::new(-1.0, 0.8, 1.1)) * awkward())]),
+    ];
+    for file in ["AnalyticSolids/AnalyticSolids.glb", "Boot/Boot.glb", "Spot/Spot.gltf"] {
+        if let Some(path) = harness::require_scene(file) {
+            scenes.push(Scene::load(&path).unwrap());
+        }
+    }
+    scenes
+}
+
+#[test]
+fn voxel_bitmask_agrees_with_its_reference() {
+    let gpu = shared();
+    let mut rows = Vec::new();
+    for scene in scenes() {
+        for (resolution, axis) in [(32, Axis::X), (64, Axis::Y), (128, Axis::Z)] {
+            let grid = Grid::around(&bounds(&scene), resolution).unwrap();
+            let [bit, masks, targets] = [Combine::Bit, Combine::Masks, Combine::LogicOp]
+                .map(|combine| voxelize(gpu, &scene, &grid, Bitmask { axis, combine }));
+            assert!(bit == masks && bit == targets, "{}: the ways to flip bits differ", scene.name);
+            let [agree, near, far] = compare(&bit, &scene);
+            println!("{} at {resolution} along {axis:?}: {agree} agree, {near} differ near, {far} far", scene.name);
+            assert!(far == 0, "{} at {resolution}: {far} voxels", scene.name);
+            // The cube's faces lie on voxel centres, where either answer is right.
+            let most = if scene.name == "cube" { 8 } else { 100 };
+            assert!(bit.count() > 0 && near < agree / most, "{} at {resolution}", scene.name);
+            rows.push((scene.name.clone(), agree + near, near));
+        }
+    }
+    let mut figures: Vec<Figure> = Vec::new();
+    for of_scene in rows.chunk_by(|a, b| a.0 == b.0) {
+        let compared: usize = of_scene.iter().map(|row| row.1).sum();
+        let near: usize = of_scene.iter().map(|row| row.2).sum();
+        let what = format!("{}: voxels at 32, 64, 128", of_scene[0].0);
+        let value = format!("0 of {compared} differ, {near} left out");
+        figures.push(Figure { what, value, bound: "none differs; left out within 1/128 voxel of a surface".into() });
+    }
+    figures.extend(volumes(gpu));
+    silent(gpu);
+
+    let picture = harness::require_scene("Spot/Spot.gltf").map(|path| {
+        let scene = Scene::load(&path).unwrap();
+        let grid = Grid::around(&bounds(&scene), 160).unwrap();
+        front(&voxelize(gpu, &scene, &grid, Bitmask::default()))
+    });
+    figures::publish(gpu, "voxel", "bitmask", &figures, picture.as_ref());
+}
+
+/// Error of the volume against the mesh's own, and how it falls with the resolution.
+fn volumes(gpu: &Gpu) -> Vec<Figure> {
+    let of = |name: &str, primitive: Primitive| {
+        let scene = one(name, vec![(primitive, awkward())]);
+        let errors = [64_u32, 128, 256, 512].map(|resolution| {
+            let grid = Grid::around(&bounds(&scene), resolution).unwrap();
+            let triangles = twin::voxel::in_grid(&twin::scene::Scene::new(&scene), &grid);
+            let volume = twin::voxel::volume(&triangles);
+            let error = (voxelize(gpu, &scene, &grid, Bitmask::default()).count() as f64 / volume - 1.0).abs();
+            assert!(error <= 1.5 / f64::from(resolution), "{name} at {resolution}: {error}");
+            error
+        });
+        let worst = errors.iter().zip([64.0, 128.0, 256.0, 512.0]).map(|(error, n)| error * n).fold(0.0, f64::max);
+        println!("{name}: relative errors of the volume {errors:?}");
+        Figure {
+            what: format!("{name}: volume at 64, 128, 256, 512"),
+            value: format!("relative error at most {worst:.4} / N"),
+            bound: "at most 1.5 / N".into(),
+        }
+    };
+    vec![of("sphere of 16128 triangles", tiny::sphere(128, 64, 0)), of("torus of 16384 triangles", torus(128, 64))]
+}
+
+#[test]
+fn voxel_bitmask_with_a_seeded_mistake_is_caught() {
+    let gpu = shared();
+    let truth = one("torus", vec![(torus(48, 24), awkward())]);
+    let grid = Grid::around(&bounds(&truth), 64).unwrap();
+    let far = |scene: &Scene| compare(&voxelize(gpu, scene, &grid, Bitmask::default()), &truth)[2];
+    assert_eq!(far(&truth), 0);
+    // A twentieth of a voxel aside; a triangle lost.
+    let mut aside = truth.clone();
+    aside.objects[0].world_from_object = Mat4::from_translation(Vec3::X * 0.05 * grid.edge()) * awkward();
+    assert!(far(&aside) > 0);
+    let mut holed = truth.clone();
+    holed.meshes[0].primitives[0].indices.drain(..3);
+    assert!(far(&holed) > 0);
+    silent(gpu);
+}
+
+#[test]
+fn a_cube_that_fills_its_grid_fills_every_voxel() {
+    let gpu = shared();
+    let cube = one("cube", vec![(tiny::cuboid(Vec3::ZERO, Vec3::splat(8.0), 0), Mat4::IDENTITY)]);
+    for axis in [Axis::X, Axis::Y, Axis::Z] {
+        for combine in [Combine::Bit, Combine::Masks, Combine::LogicOp] {
+            let technique = Bitmask { axis, combine };
+            // Exactly the grid, with faces on its bounds; and a grid that the cube reaches out of on all sides.
+            for (min, size) in [(Vec3::ZERO, [8, 8, 8]), (Vec3::splat(2.0), [3, 4, 5])] {
+                let grid = Grid::new(min, 1.0, size).unwrap();
+                let voxels = voxelize(gpu, &cube, &grid, technique);
+                assert_eq!(voxels.count(), u64::from(size[0] * size[1] * size[2]), "{technique:?}, {size:?}");
+            }
+        }
+    }
+    silent(gpu);
+}
+
+#[test]
+fn portable_every_way_to_flip_bits_gives_the_same() {
+    let gpu = shared();
+    let scene = one("tetrahedra", vec![(soup(50), Mat4::IDENTITY)]);
+    let grid = Grid::new(Vec3::splat(-0.1), 0.01, [120, 110, 130]).unwrap();
+    let voxels = [Combine::Bit, Combine::Masks, Combine::LogicOp]
+        .map(|combine| voxelize(gpu, &scene, &grid, Bitmask { axis: Axis::Y, combine }));
+    assert!(voxels[0].count() > 1000 && voxels[0] == voxels[1] && voxels[0] == voxels[2]);
+    silent(gpu);
+}

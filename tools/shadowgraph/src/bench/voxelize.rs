@@ -1,0 +1,127 @@
+//! Voxels of spheres: from triangles in memory to bits in memory, uploads and read-back included; opening the device
+//! and the driver's compilation, which the first run of each case takes, are not.
+
+use std::f32::consts::{PI, TAU};
+use std::time::Instant;
+
+use glam::{Mat4, Vec2, Vec3, Vec4};
+use shadowgraph::gpu::Gpu;
+use shadowgraph::graph::{Executor, Graph};
+use shadowgraph::scene::{GpuScene, Material, Mesh, Object, Primitive, Scene};
+use shadowgraph::techniques::voxel::bitmask::{Bitmask, Combine};
+use shadowgraph::techniques::voxel::conservative::Conservative;
+use shadowgraph::techniques::voxel::{Grid, VoxelBits, Voxels};
+
+use super::{Measurement, median, milliseconds};
+use crate::cli::{BenchArguments, DeviceArguments};
+use crate::failure::Result;
+use crate::session;
+
+/// Segments of the sphere and voxels along an axis.
+const CASES: [(u32, u32); 8] =
+    [(4, 256), (40, 256), (264, 64), (264, 128), (264, 256), (264, 512), (264, 1024), (1000, 256)];
+
+#[derive(Clone, Copy)]
+enum Method {
+    Solid(Combine),
+    Conservative,
+}
+
+const METHODS: [(&str, Method); 4] = [
+    ("bitmask", Method::Solid(Combine::Bit)),
+    ("bitmask, masks", Method::Solid(Combine::Masks)),
+    ("bitmask, logic", Method::Solid(Combine::LogicOp)),
+    ("conservative", Method::Conservative),
+];
+
+impl Method {
+    fn record<'f>(self, graph: &mut Graph<'f>, scene: &'f GpuScene, grid: &Grid) -> shadowgraph::Result<VoxelBits> {
+        match self {
+            Self::Solid(combine) => Bitmask { combine, ..Bitmask::default() }.record(graph, scene, grid),
+            Self::Conservative => Conservative::default().record(graph, scene, grid),
+        }
+    }
+}
+
+/// Every method, over resolution and over triangles.
+pub fn run(arguments: &BenchArguments, tell: &mut impl FnMut(Measurement) -> Result<()>) -> Result<()> {
+    let gpu = session::open(&DeviceArguments::default())?;
+    let measured = CASES.iter().try_for_each(|&(segments, resolution)| {
+        let scene = sphere(segments);
+        let triangles = scene.meshes[0].primitives[0].indices.len() / 3;
+        for (name, method) in METHODS {
+            let (time, set) = measure(&gpu, &scene, method, resolution, arguments.runs as usize)?;
+            let case = format!("{name}, {triangles} triangles, {resolution}");
+            let told = |metric: &str, value, unit| Measurement {
+                bench: "voxelize",
+                case: case.clone(),
+                metric: metric.into(),
+                value,
+                unit,
+            };
+            tell(told("total", time, "ms"))?;
+            tell(told("set", set, "voxels"))?;
+        }
+        Ok(())
+    });
+    let closed = session::close(gpu);
+    measured.and(closed)
+}
+
+/// Median milliseconds, and how many voxels are set.
+fn measure(gpu: &Gpu, scene: &Scene, method: Method, resolution: u32, runs: usize) -> Result<(f64, f64)> {
+    let mut executor = Executor::new(gpu);
+    let mut once = || -> Result<_> {
+        let scene = scene.clone();
+        let began = Instant::now();
+        let scene = scene.upload(gpu)?;
+        let grid = Grid::around(&scene.bounds, resolution)?;
+        let mut graph = Graph::new("voxelize", gpu.caps());
+        let VoxelBits { bits, axis, .. } = method.record(&mut graph, &scene, &grid)?;
+        graph.capture("voxels", &bits);
+        let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
+        let executed = executor.execute(&plan, graph)?;
+        let voxels = Voxels::read(executed.capture("voxels")?, &grid, axis)?;
+        Ok((milliseconds(began.elapsed()), voxels.count() as f64))
+    };
+    // The first run compiles shaders.
+    let (_, set) = once()?;
+    let times = (0..runs).map(|_| once().map(|(time, _)| time)).collect::<Result<_>>()?;
+    Ok((median(times), set))
+}
+
+/// A unit sphere of about `segments`² triangles.
+fn sphere(segments: u32) -> Scene {
+    let rings = segments / 2 + 1;
+    let mut primitive = Primitive::default();
+    for ring in 0..=rings {
+        for segment in 0..segments {
+            let (theta, phi) = (PI * ring as f32 / rings as f32, TAU * segment as f32 / segments as f32);
+            let around = if ring % rings == 0 { 0.0 } else { theta.sin() };
+            primitive.positions.push(Vec3::new(around * phi.sin(), theta.cos(), around * phi.cos()));
+        }
+    }
+    let at = |ring: u32, segment: u32| ring * segments + segment % segments;
+    for (ring, segment) in (0..rings).flat_map(|ring| (0..segments).map(move |segment| (ring, segment))) {
+        let [a, b] = [at(ring, segment), at(ring, segment + 1)];
+        let [c, d] = [at(ring + 1, segment), at(ring + 1, segment + 1)];
+        if ring > 0 {
+            primitive.indices.extend([a, c, b]);
+        }
+        if ring + 1 < rings {
+            primitive.indices.extend([b, c, d]);
+        }
+    }
+    let vertices = primitive.positions.len();
+    primitive.normals = primitive.positions.clone();
+    primitive.tangents = vec![Vec4::ZERO; vertices];
+    primitive.uvs = [vec![Vec2::ZERO; vertices], vec![Vec2::ZERO; vertices]];
+    primitive.colors = vec![Vec4::ONE; vertices];
+    Scene {
+        name: "sphere".into(),
+        materials: vec![Material::default()],
+        meshes: vec![Mesh { name: "sphere".into(), primitives: vec![primitive] }],
+        objects: vec![Object { name: "sphere".into(), mesh: 0, world_from_object: Mat4::IDENTITY }],
+        ..Scene::default()
+    }
+}

@@ -1,0 +1,144 @@
+//! `voxelize`: turns a scene's solids or surfaces into a grid of voxels.
+
+use std::io::Write as _;
+use std::time::Instant;
+
+use serde::Serialize;
+use shadowgraph::capture::{write_atomically, write_npy};
+use shadowgraph::gpu::Gpu;
+use shadowgraph::graph::{Executor, Graph};
+use shadowgraph::scene::{GpuScene, Scene};
+use shadowgraph::techniques::voxel::bitmask::Bitmask;
+use shadowgraph::techniques::voxel::conservative::Conservative;
+use shadowgraph::techniques::voxel::{Axis, Grid, Voxels};
+
+use crate::cli::{AxisName, VoxelMethod, VoxelizeArguments};
+use crate::failure::{Failure, Result};
+use crate::output::print;
+use crate::session;
+
+/// Where the voxels of a file are, and how they were made.
+#[derive(Serialize)]
+struct Description {
+    scene: String,
+    method: &'static str,
+    axis: &'static str,
+    /// Voxels along x, y and z.
+    resolution: [u32; 3],
+    /// World-space lower corner, metres.
+    min: [f32; 3],
+    /// Metres.
+    voxel_edge: f32,
+    /// Indices of the array.
+    order: &'static str,
+    set: u64,
+    /// Meshes whose surface is not closed, with the number of their open edges.
+    open_meshes: Vec<(String, usize)>,
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Told<'a> {
+    file: String,
+    #[serde(flatten)]
+    description: &'a Description,
+    device: String,
+    /// Recording, running and reading back, the driver's compilation included.
+    seconds: f64,
+    /// Of transient memory on the device.
+    bytes: u64,
+}
+
+/// Finds the voxels and writes them.
+pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
+    if !arguments.output.extension().is_some_and(|end| end.eq_ignore_ascii_case("npy")) {
+        let name = arguments.output.display();
+        return Err(Failure::input(format!("--output {name}: the name must end in .npy")));
+    }
+    let [x, y, z] = arguments.resolution.0;
+    if arguments.min.is_none() && (x != y || y != z) {
+        return Err(Failure::input("a --resolution of three numbers needs --min and --edge"));
+    }
+    // 1. A scene of closed surfaces, or a warning where solids are wanted.
+    let scene = session::scene(&arguments.scene)?;
+    let open_meshes = open_meshes(&scene);
+    for (name, edges) in open_meshes.iter().filter(|_| arguments.method == VoxelMethod::Bitmask) {
+        log::warn!("mesh `{name}` is not closed ({edges} open edges): columns behind its holes are wrong");
+    }
+    // 2. Its voxels. All that holds on to the device goes before the device.
+    let gpu = session::open(&arguments.device)?;
+    let device = gpu.caps().title();
+    let found = scene.upload(&gpu).map_err(Failure::from).and_then(|scene| voxelize(arguments, &gpu, &scene));
+    let closed = session::close(gpu);
+    let (voxels, seconds, bytes) = found?;
+    closed?;
+    // 3. The array, and beside it what it means.
+    let grid = voxels.grid();
+    let (path, beside) = (&arguments.output, arguments.output.with_extension("json"));
+    let description = Description {
+        scene: arguments.scene.to_string(),
+        method: match arguments.method {
+            VoxelMethod::Bitmask => "bitmask",
+            VoxelMethod::Conservative => "conservative",
+        },
+        axis: ["x", "y", "z"][axis(arguments.axis) as usize],
+        resolution: grid.size(),
+        min: grid.min().to_array(),
+        voxel_edge: grid.edge(),
+        order: "[z][y][x]",
+        set: voxels.count(),
+        open_meshes,
+    };
+    write_npy(path, &[z, y, x].map(|n| n as usize), &voxels.bytes())?;
+    let text = serde_json::to_string_pretty(&description).map_err(Failure::failed)?;
+    write_atomically(&beside, |file| writeln!(file, "{text}"))?;
+    if arguments.json {
+        let file = path.display().to_string();
+        let told = Told { file, description: &description, device, seconds, bytes };
+        return print(serde_json::to_string(&told).map_err(Failure::failed)?);
+    }
+    let set = description.set;
+    print(format!("wrote {} and {}: {set} of {x}×{y}×{z} voxels are set", path.display(), beside.display()))
+}
+
+fn open_meshes(scene: &Scene) -> Vec<(String, usize)> {
+    let open = scene.meshes.iter().map(|mesh| (mesh.name.clone(), mesh.open_edges()));
+    open.filter(|&(_, edges)| edges > 0).collect()
+}
+
+fn axis(name: AxisName) -> Axis {
+    match name {
+        AxisName::X => Axis::X,
+        AxisName::Y => Axis::Y,
+        AxisName::Z => Axis::Z,
+    }
+}
+
+/// The grid that was asked for.
+fn grid(arguments: &VoxelizeArguments, scene: &GpuScene) -> Result<Grid> {
+    let size = arguments.resolution.0;
+    let most = size.into_iter().max().unwrap_or(1);
+    let made = match (arguments.min, arguments.edge) {
+        (Some(min), Some(edge)) => Grid::new(min, edge / most as f32, size),
+        _ => Grid::around(&scene.bounds, most),
+    };
+    made.map_err(Failure::input)
+}
+
+/// The voxels, the seconds they took, and the bytes of memory.
+fn voxelize(arguments: &VoxelizeArguments, gpu: &Gpu, scene: &GpuScene) -> Result<(Voxels, f64, u64)> {
+    let grid = grid(arguments, scene)?;
+    let began = Instant::now();
+    let mut graph = Graph::new("voxelize", gpu.caps());
+    let found = match arguments.method {
+        VoxelMethod::Bitmask => {
+            Bitmask { axis: axis(arguments.axis), ..Bitmask::default() }.record(&mut graph, scene, &grid)?
+        }
+        VoxelMethod::Conservative => Conservative { axis: axis(arguments.axis) }.record(&mut graph, scene, &grid)?,
+    };
+    graph.capture("voxels", &found.bits);
+    let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
+    let executed = Executor::new(gpu).execute(&plan, graph)?;
+    let voxels = Voxels::read(executed.capture("voxels")?, &grid, found.axis)?;
+    Ok((voxels, began.elapsed().as_secs_f64(), plan.statistics.heap_bytes))
+}
