@@ -27,7 +27,7 @@ impl ABuffer {
 
         // 1. How many fragments each pixel has, how many there are, and where each pixel's begin.
         let count = self.count(graph, depth, fragments);
-        let frame = graph.data(&[blocks::ABufferFrame { size: size.into(), capacity: 0, used: 1 }]);
+        let frame = graph.data(&[blocks::ABufferFrame { size, capacity: 0, used: 1 }]);
         let scanned = scan(graph, NAME, &count, frame);
         let work = work(graph, NAME, &scanned.told);
         let cursors = graph.buffer("abuffer.cursors", 4 * u64::from(size[0]) * u64::from(size[1]));
@@ -49,7 +49,7 @@ impl ABuffer {
                     this.nodes_size(caps, u64::from(totals[0].total.nodes), false)
                 });
             let frame = graph.data_after(&scanned.told, move |totals| blocks::ABufferFrame {
-                size: size.into(),
+                size,
                 capacity: totals[0].total.nodes,
                 used: 1,
             });

@@ -32,7 +32,7 @@ impl ABuffer {
     ) -> Composited {
         let size = depth.size();
         let (this, caps) = (*self, graph.caps());
-        let block = move |capacity, used| blocks::ABufferFrame { size: size.into(), capacity, used };
+        let block = move |capacity, used| blocks::ABufferFrame { size, capacity, used };
         let count = graph.image("abuffer.count", ImageShape::new_2d(vk::Format::R32_SFLOAT, size));
         let count = graph.clear("abuffer.count.begin", count, vk::ClearColorValue::default());
         let onto = Resolved::new(graph, color);
