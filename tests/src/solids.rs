@@ -6,7 +6,7 @@ use shadowgraph::scene::{Primitive, Scene};
 use shadowgraph::techniques::voxel::Voxels;
 
 use crate::figures::Picture;
-use crate::tiny;
+use crate::{harness, tiny};
 
 /// World-space bounds of all vertices.
 pub fn bounds(scene: &Scene) -> Aabb {
@@ -69,6 +69,32 @@ pub fn soup(count: usize) -> Primitive {
 /// A rotation that no axis of the grid survives.
 pub fn awkward() -> Mat4 {
     Mat4::from_quat(Quat::from_euler(EulerRot::YXZ, 0.7313, 0.4127, 1.1931))
+}
+
+/// Surfaces that hurt: closed and open ones, slivers, triangles without area.
+pub fn surfaces() -> Vec<Scene> {
+    let cuboid = |size: Vec3| tiny::cuboid(-0.5 * size, 0.5 * size, 0);
+    // A fan of slivers around the origin, and triangles without area.
+    let slivers: Vec<_> = (0..60)
+        .map(|i| {
+            let turn = 0.37 * i as f32;
+            let tip = Vec3::new(turn.cos(), turn.sin(), (0.7 * turn).sin());
+            [Vec3::ZERO, tip, tip * 0.5 + Vec3::splat(1e-6 * i as f32)]
+        })
+        .collect();
+    let mut scenes = vec![
+        one("sphere", vec![(tiny::sphere(48, 24, 0), awkward())]),
+        one("torus", vec![(torus(48, 24), awkward())]),
+        one("large triangles", vec![(cuboid(Vec3::new(1.0, 0.7, 0.3)), awkward())]),
+        one("needle", vec![(cuboid(Vec3::new(1.0, 0.004, 0.004)), awkward())]),
+        one("slivers and triangles without area", vec![(tiny::triangles(&slivers, 0), Mat4::IDENTITY)]),
+        one("100 tetrahedra", vec![(soup(100), Mat4::IDENTITY)]),
+        one("mirrored torus", vec![(torus(32, 16), Mat4::from_scale(Vec3::new(-1.0, 0.8, 1.1)) * awkward())]),
+    ];
+    if let Some(path) = harness::require_scene("Demosthenes/Demosthenes.gltf") {
+        scenes.push(Scene::load(&path).unwrap_or_else(|error| panic!("{error}")));
+    }
+    scenes
 }
 
 /// The voxels from the front, which glTF has at the greatest z, lit from the upper left.

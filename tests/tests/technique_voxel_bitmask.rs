@@ -29,7 +29,7 @@ fn voxelize(gpu: &Gpu, scene: &Scene, grid: &Grid, technique: Bitmask) -> Voxels
 /// Voxels that agree, that differ where the surface is at most [`NEAR`], and that differ elsewhere.
 fn compare(voxels: &Voxels, truth: &Scene) -> [usize; 3] {
     let grid = voxels.grid();
-    let triangles = twin::voxel::in_grid(&twin::scene::Scene::new(truth), grid);
+    let triangles = twin::voxel::in_grid(truth, grid);
     let inside = twin::voxel::solid(&triangles, grid.size());
     let [nx, ny, _] = grid.size().map(|n| n as usize);
     let mut counts = [0; 3];
@@ -104,7 +104,7 @@ fn volumes(gpu: &Gpu) -> Vec<Figure> {
         let scene = one(name, vec![(primitive, awkward())]);
         let errors = [64_u32, 128, 256, 512].map(|resolution| {
             let grid = Grid::around(&bounds(&scene), resolution).unwrap();
-            let triangles = twin::voxel::in_grid(&twin::scene::Scene::new(&scene), &grid);
+            let triangles = twin::voxel::in_grid(&scene, &grid);
             let volume = twin::voxel::volume(&triangles);
             let error = (voxelize(gpu, &scene, &grid, Bitmask::default()).count() as f64 / volume - 1.0).abs();
             assert!(error <= 1.5 / f64::from(resolution), "{name} at {resolution}: {error}");

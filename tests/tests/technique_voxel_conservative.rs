@@ -10,7 +10,7 @@ use shadowgraph::techniques::voxel::{Axis, Grid, Voxels};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure};
 use shadowgraph_tests::harness;
-use shadowgraph_tests::solids::{awkward, bounds, front, one, soup, torus};
+use shadowgraph_tests::solids::{awkward, bounds, front, one, soup, surfaces, torus};
 use shadowgraph_tests::{tiny, twin};
 
 /// How far beyond ε a voxel may be from the triangle that set it, in voxels.
@@ -29,60 +29,24 @@ fn voxelize(gpu: &Gpu, scene: &Scene, grid: &Grid, axis: Axis) -> Voxels {
 /// Voxels that are touched and not set; that are set and further than ε and [`FAR`] from every triangle; that are set.
 fn compare(voxels: &Voxels, truth: &Scene) -> [usize; 3] {
     let grid = voxels.grid();
-    // Triangles without area touch voxels too.
-    let triangles = all_triangles(truth, grid);
+    let triangles = twin::voxel::in_grid(truth, grid);
     let margin = f64::from(Conservative::margin(grid, &bounds(truth)));
-    let [least, most] = [0.0, margin + FAR].map(|m| twin::voxel::touched(&triangles, grid.size(), m));
+    let touched = |margin: f64| {
+        twin::voxel::surface(&triangles, grid.size(), |triangle, center| {
+            twin::voxel::touches(triangle, center, 0.5 + margin)
+        })
+    };
+    let [least, most] = [0.0, margin + FAR].map(touched);
     let bytes = voxels.bytes();
     let count = |wrong: &dyn Fn(usize) -> bool| (0..bytes.len()).filter(|&i| wrong(i)).count();
     [count(&|i| least[i] && bytes[i] == 0), count(&|i| !most[i] && bytes[i] == 1), count(&|i| bytes[i] == 1)]
-}
-
-fn all_triangles(scene: &Scene, grid: &Grid) -> Vec<[glam::DVec3; 3]> {
-    let (min, edge) = (grid.min().as_dvec3(), f64::from(grid.edge()));
-    let mut triangles = Vec::new();
-    for object in &scene.objects {
-        let world = object.world_from_object.as_dmat4();
-        for primitive in &scene.meshes[object.mesh].primitives {
-            triangles.extend(primitive.indices.chunks_exact(3).map(|corners| {
-                [0, 1, 2]
-                    .map(|i| (world.transform_point3(primitive.positions[corners[i] as usize].as_dvec3()) - min) / edge)
-            }));
-        }
-    }
-    triangles
-}
-
-fn scenes() -> Vec<Scene> {
-    let cuboid = |size: Vec3| tiny::cuboid(-0.5 * size, 0.5 * size, 0);
-    // A fan of slivers around the origin, and triangles without area.
-    let slivers: Vec<_> = (0..60)
-        .map(|i| {
-            let turn = 0.37 * i as f32;
-            let tip = Vec3::new(turn.cos(), turn.sin(), (0.7 * turn).sin());
-            [Vec3::ZERO, tip, tip * 0.5 + Vec3::splat(1e-6 * i as f32)]
-        })
-        .collect();
-    let mut scenes = vec![
-        one("sphere", vec![(tiny::sphere(48, 24, 0), awkward())]),
-        one("torus", vec![(torus(48, 24), awkward())]),
-        one("large triangles", vec![(cuboid(Vec3::new(1.0, 0.7, 0.3)), awkward())]),
-        one("needle", vec![(cuboid(Vec3::new(1.0, 0.004, 0.004)), awkward())]),
-        one("slivers and triangles without area", vec![(tiny::triangles(&slivers, 0), Mat4::IDENTITY)]),
-        one("100 tetrahedra", vec![(soup(100), Mat4::IDENTITY)]),
-        one("mirrored torus", vec![(torus(32, 16), Mat4::from_scale(Vec3::new(-1.0, 0.8, 1.1)) * awkward())]),
-    ];
-    if let Some(path) = harness::require_scene("Demosthenes/Demosthenes.gltf") {
-        scenes.push(Scene::load(&path).unwrap());
-    }
-    scenes
 }
 
 #[test]
 fn voxel_conservative_agrees_with_its_reference() {
     let gpu = shared();
     let mut figures = Vec::new();
-    for scene in scenes() {
+    for scene in surfaces() {
         let mut sum = 0;
         for (resolution, axis) in [(32, Axis::X), (64, Axis::Y), (128, Axis::Z)] {
             let grid = Grid::around(&bounds(&scene), resolution).unwrap();

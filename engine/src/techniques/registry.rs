@@ -36,4 +36,5 @@ pub static TECHNIQUES: &[Technique] = &[
     },
     Technique { family: "voxel", name: "bitmask", summary: "solid voxelization by XOR of column bits, in one pass" },
     Technique { family: "voxel", name: "conservative", summary: "every voxel that a triangle touches" },
+    Technique { family: "voxel", name: "six_separating", summary: "voxels of thin surfaces without leaks" },
 ];

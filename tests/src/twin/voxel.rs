@@ -6,14 +6,23 @@
 //!   edge belongs to one side of it, so a closed surface is crossed an even number of times.
 
 use glam::DVec3;
+use shadowgraph::scene::Scene;
 use shadowgraph::techniques::voxel::Grid;
 
-use super::scene::Scene;
-
-/// A scene's triangles in grid coordinates.
+/// A scene's triangles in grid coordinates, those without area too.
 pub fn in_grid(scene: &Scene, grid: &Grid) -> Vec<[DVec3; 3]> {
     let (min, edge) = (grid.min().as_dvec3(), f64::from(grid.edge()));
-    scene.triangles.iter().map(|triangle| triangle.positions.map(|p| (p - min) / edge)).collect()
+    let mut triangles = Vec::new();
+    for object in &scene.objects {
+        let world = object.world_from_object.as_dmat4();
+        for primitive in &scene.meshes[object.mesh].primitives {
+            let corner = |&i: &u32| (world.transform_point3(primitive.positions[i as usize].as_dvec3()) - min) / edge;
+            triangles.extend(
+                primitive.indices.as_chunks().0.iter().map(|corners: &[u32; 3]| corners.each_ref().map(corner)),
+            );
+        }
+    }
+    triangles
 }
 
 /// Whether each voxel is inside, in the order `[z][y][x]`.
@@ -118,24 +127,78 @@ pub fn touches(triangle: &[DVec3; 3], center: DVec3, half: f64) -> bool {
     })
 }
 
-/// Voxels whose closed boxes, grown by `margin` voxels on every side, one of the triangles touches; `[z][y][x]`.
-pub fn touched(triangles: &[[DVec3; 3]], size: [u32; 3], margin: f64) -> Vec<bool> {
+/// Voxels that make up one of the triangles, as `belongs` says of a triangle and a voxel's centre; `[z][y][x]`. Only
+/// voxels at most one further than a triangle's bounds are asked for.
+pub fn surface(triangles: &[[DVec3; 3]], size: [u32; 3], belongs: impl Fn(&[DVec3; 3], DVec3) -> bool) -> Vec<bool> {
     let [nx, ny, nz] = size.map(|n| n as usize);
-    let half = 0.5 + margin;
     let mut set = vec![false; nx * ny * nz];
     for triangle in triangles {
         let range = |axis: usize, n: usize| {
             let values = triangle.map(|p| p[axis]);
-            let least = values.into_iter().fold(f64::INFINITY, f64::min) - 0.5 - half;
-            let most = values.into_iter().fold(f64::NEG_INFINITY, f64::max) - 0.5 + half;
-            least.floor().clamp(0.0, n as f64) as usize..(most.ceil() + 1.0).clamp(0.0, n as f64) as usize
+            let least = values.into_iter().fold(f64::INFINITY, f64::min) - 1.5;
+            let most = values.into_iter().fold(f64::NEG_INFINITY, f64::max) + 1.5;
+            least.floor().clamp(0.0, n as f64) as usize..most.ceil().clamp(0.0, n as f64) as usize
         };
-        for (z, y, x) in range(2, nz).flat_map(|z| range(1, ny).flat_map(move |y| range(0, nx).map(move |x| (z, y, x))))
-        {
+        let rows = range(2, nz).flat_map(|z| range(1, ny).map(move |y| (z, y)));
+        for (z, y, x) in rows.flat_map(|(z, y)| range(0, nx).map(move |x| (z, y, x))) {
             let voxel = &mut set[(z * ny + y) * nx + x];
-            let center = DVec3::new(x as f64, y as f64, z as f64) + 0.5;
-            *voxel = *voxel || touches(triangle, center, half);
+            *voxel = *voxel || belongs(triangle, DVec3::new(x as f64, y as f64, z as f64) + 0.5);
         }
     }
     set
+}
+
+/// Whether a voxel belongs to the thin voxelization of a triangle (Schwarz and Seidel 2010, section 4), each of whose
+/// conditions is eased by what moving corners by `margin` voxels does: its closed box meets the triangle's bounds; its centre is no further from the
+/// plane, and in each projection from the inner side of each edge, than the segments between centres of opposite faces
+/// reach.
+pub fn is_thin(triangle: &[DVec3; 3], center: DVec3, margin: f64) -> bool {
+    let [a, b, c] = triangle.map(|p| p - center);
+    let normal = (b - a).cross(c - a);
+    let (least, most) = (a.min(b).min(c), a.max(b).max(c));
+    let in_bounds = least.max_element() <= 0.5 + margin && most.min_element() >= -0.5 - margin;
+    // Corners that move by the margin turn the normal of a sliver.
+    let turn = margin * (b - a).length().max((c - a).length()) * a.length();
+    let on_plane = normal.dot(a).abs() <= 0.5 * normal.abs().max_element() + margin * normal.length() + turn;
+    let in_projection = |u: usize, v: usize, w: usize| {
+        let side = if normal[w] >= 0.0 { 1.0 } else { -1.0 };
+        [(a, b), (b, c), (c, a)].iter().all(|(from, to)| {
+            let outward = [side * (to[v] - from[v]), side * (from[u] - to[u])];
+            let beyond = -(outward[0] * from[u] + outward[1] * from[v]);
+            let reach = 0.5 * outward[0].abs().max(outward[1].abs());
+            beyond <= reach + margin * outward[0].hypot(outward[1])
+        })
+    };
+    in_bounds && on_plane && in_projection(0, 1, 2) && in_projection(1, 2, 0) && in_projection(2, 0, 1)
+}
+
+/// Voxels that a walk from outside the grid reaches over unset voxels, from face to face; `[z][y][x]`.
+pub fn reached(set: &[bool], size: [u32; 3]) -> Vec<bool> {
+    let [nx, ny, nz] = size.map(|n| n as usize);
+    let mut reached = vec![false; set.len()];
+    let mut todo = Vec::new();
+    let mut reach = |index: usize, todo: &mut Vec<usize>| {
+        if !set[index] && !reached[index] {
+            reached[index] = true;
+            todo.push(index);
+        }
+    };
+    let place = |index: usize| [index % nx, index / nx % ny, index / nx / ny];
+    let sizes = [nx, ny, nz];
+    for index in 0..set.len() {
+        if place(index).iter().zip(sizes).any(|(&i, n)| i == 0 || i + 1 == n) {
+            reach(index, &mut todo);
+        }
+    }
+    while let Some(index) = todo.pop() {
+        for ((i, n), step) in place(index).into_iter().zip(sizes).zip([1, nx, nx * ny]) {
+            if i > 0 {
+                reach(index - step, &mut todo);
+            }
+            if i + 1 < n {
+                reach(index + step, &mut todo);
+            }
+        }
+    }
+    reached
 }

@@ -225,7 +225,7 @@ pub enum GraphFormat {
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "\
 Writes a NumPy array of bytes, indexed [z,y,x], 1 where a voxel's centre is inside a solid (bitmask) or a triangle \
-touches the voxel (conservative), and beside it a .json file \
+touches the voxel (conservative, six-separating), and beside it a .json file \
 that says where the voxels are: voxel (i,j,k) has its centre at min + (i+1/2, j+1/2, k+1/2) * voxel_edge.
 
 Examples:
@@ -279,6 +279,8 @@ pub enum VoxelMethod {
     Bitmask,
     /// Surfaces: every voxel that a triangle touches.
     Conservative,
+    /// Surfaces: as few voxels as separate the two sides.
+    SixSeparating,
 }
 
 /// Arguments of `info`.

@@ -10,6 +10,7 @@ use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::{GpuScene, Scene};
 use shadowgraph::techniques::voxel::bitmask::Bitmask;
 use shadowgraph::techniques::voxel::conservative::Conservative;
+use shadowgraph::techniques::voxel::six_separating::SixSeparating;
 use shadowgraph::techniques::voxel::{Axis, Grid, Voxels};
 
 use crate::cli::{AxisName, VoxelMethod, VoxelizeArguments};
@@ -80,6 +81,7 @@ pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
         method: match arguments.method {
             VoxelMethod::Bitmask => "bitmask",
             VoxelMethod::Conservative => "conservative",
+            VoxelMethod::SixSeparating => "six-separating",
         },
         axis: ["x", "y", "z"][axis(arguments.axis) as usize],
         resolution: grid.size(),
@@ -135,6 +137,7 @@ fn voxelize(arguments: &VoxelizeArguments, gpu: &Gpu, scene: &GpuScene) -> Resul
             Bitmask { axis: axis(arguments.axis), ..Bitmask::default() }.record(&mut graph, scene, &grid)?
         }
         VoxelMethod::Conservative => Conservative { axis: axis(arguments.axis) }.record(&mut graph, scene, &grid)?,
+        VoxelMethod::SixSeparating => SixSeparating { axis: axis(arguments.axis) }.record(&mut graph, scene, &grid)?,
     };
     graph.capture("voxels", &found.bits);
     let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;

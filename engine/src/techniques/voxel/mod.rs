@@ -4,5 +4,7 @@
 pub mod bitmask;
 pub mod conservative;
 mod grid;
+pub mod six_separating;
+mod surface;
 
 pub use grid::{Axis, Grid, MAX_RESOLUTION, VoxelBits, Voxels};

@@ -1,5 +1,6 @@
-// Which voxels does a triangle touch? Separating axes (Akenine-Möller 2001), with the plane and the projections of a
-// column kept for all its voxels (Schwarz and Seidel 2010, section 3). Differences from the voxel's centre are taken
+// Which voxels make up a triangle? Either all whose closed box it touches, by separating axes (Akenine-Möller 2001), or
+// with SIX_SEPARATING as few as no path through faces of voxels slips by (Schwarz and Seidel 2010, section 4): those
+// whose three diagonals from face to face it meets, in each projection. Differences from the voxel's centre are taken
 // before any product, so that what lies on the grid's planes is not lost to rounding.
 #include "common/voxels.glsl"
 #include "common/instances.glsl"
@@ -76,6 +77,33 @@ Triangle triangle_at(uint number) {
     return triangle;
 }
 
+#ifdef SIX_SEPARATING
+// How far the voxel reaches along a direction, for a plane and in a projection.
+float extent(vec3 n) {
+    n = abs(n);
+    return 0.5 * max(n.x, max(n.y, n.z));
+}
+
+float extent(vec2 n) {
+    n = abs(n);
+    return 0.5 * max(n.x, n.y);
+}
+
+// Whether the voxel lies outside an edge from `a` to `b`; `side` is positive where the corners run counter-clockwise.
+bool outside(vec2 a, vec2 b, float side) {
+    vec2 outward = side >= 0.0 ? vec2(b.y - a.y, a.x - b.x) : vec2(a.y - b.y, b.x - a.x);
+    return -dot(outward, a) > extent(outward);
+}
+
+bool separated(vec2 a, vec2 b, vec2 c, float side) {
+    return outside(a, b, side) || outside(b, c, side) || outside(c, a, side);
+}
+#else
+float extent(vec3 n) {
+    n = abs(n);
+    return touch.reach * (n.x + n.y + n.z);
+}
+
 // Whether an edge's normal in a plane of two axes separates a square around the origin from the triangle.
 bool separates(vec2 edge, vec2 a, vec2 b, vec2 c) {
     vec2 axis = vec2(-edge.y, edge.x);
@@ -84,9 +112,10 @@ bool separates(vec2 edge, vec2 a, vec2 b, vec2 c) {
     return min(along.x, min(along.y, along.z)) > radius || max(along.x, max(along.y, along.z)) < -radius;
 }
 
-bool separated(vec2 a, vec2 b, vec2 c) {
+bool separated(vec2 a, vec2 b, vec2 c, float side) {
     return separates(b - a, a, b, c) || separates(c - b, a, b, c) || separates(a - c, a, b, c);
 }
+#endif
 
 // Sets the voxels of a column that the triangle touches.
 void mark_column(Triangle triangle, ivec2 column) {
@@ -94,11 +123,11 @@ void mark_column(Triangle triangle, ivec2 column) {
     vec3 a = triangle.corners[0] - origin;
     vec3 b = triangle.corners[1] - origin;
     vec3 c = triangle.corners[2] - origin;
-    if (separated(a.xy, b.xy, c.xy)) {
+    vec3 n = triangle.normal;
+    if (separated(a.xy, b.xy, c.xy, n.z)) {
         return;
     }
-    vec3 n = triangle.normal;
-    float spread = touch.reach * (abs(n.x) + abs(n.y) + abs(n.z)) + triangle.slack * length(a);
+    float spread = extent(n) + triangle.slack * length(a);
     // Where the plane passes through the column, a voxel more on either side for the rounding of the quotient.
     int first = triangle.first.z;
     int last = triangle.last.z;
@@ -122,8 +151,8 @@ void mark_column(Triangle triangle, ivec2 column) {
         vec3 p = a - up;
         vec3 q = b - up;
         vec3 r = c - up;
-        float height = abs(dot(n, p)) - touch.reach * (abs(n.x) + abs(n.y) + abs(n.z)) - triangle.slack * length(p);
-        if (height <= 0.0 && !separated(p.yz, q.yz, r.yz) && !separated(p.zx, q.zx, r.zx)) {
+        float height = abs(dot(n, p)) - extent(n) - triangle.slack * length(p);
+        if (height <= 0.0 && !separated(p.yz, q.yz, r.yz, n.x) && !separated(p.zx, q.zx, r.zx, n.y)) {
             found |= 1u << (uint(k) % 32u);
         }
     }

@@ -1,0 +1,3 @@
+#version 460
+#define SIX_SEPARATING
+#include "common/surface_voxels_small.glsl"
