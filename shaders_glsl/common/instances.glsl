@@ -9,6 +9,7 @@ struct Instance {
     uint first_primitive; // triangles of the mesh before this primitive's
     uint first_index; // of its triangles, in the scene's index buffer
     int vertex_offset; // added to each index
+    uint first_blended; // blended triangles of the scene before this instance's, in the order of objects
 };
 
 layout(set = 0, binding = 1, scalar) readonly buffer Instances {

@@ -45,6 +45,9 @@ layout(location = 2) out vec4 out_uv;
 layout(location = 3) out vec4 out_color;
 layout(location = 4) out vec3 out_position;
 layout(location = 5) flat out uvec3 out_ids; // object, first primitive, material
+#ifdef TRIANGLE_NUMBERS
+layout(location = 7) flat out uint out_first_triangle;
+#endif
 
 invariant gl_Position;
 
@@ -68,4 +71,7 @@ void main() {
     out_uv = vec4(uv0, uv1);
     out_color = color;
     out_ids = uvec3(instance.object, instance.first_primitive, instance.material);
+#ifdef TRIANGLE_NUMBERS
+    out_first_triangle = instance.first_blended;
+#endif
 }

@@ -1,8 +1,11 @@
 //! The layers a frame can leave: which channels of which image go under which name.
 
-use super::{Shadows, Surfaces};
+use super::{Shadows, Surfaces, TransparentLayers};
 use crate::graph::{Graph, ImageHandle};
 use crate::scene::GpuScene;
+
+/// Name of the capture that says what the A-buffer could not hold: a `blocks::ABufferReport`.
+pub const ABUFFER_REPORT: &str = "abuffer.report";
 
 /// Which layers are wanted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -101,6 +104,16 @@ impl<'s> Captured<'s> {
         self.image(graph, "direct", named("direct", &rgb), Color, "direct", direct);
         for (component, name) in ["id.object", "id.primitive", "id.material"].into_iter().enumerate() {
             self.image(graph, name, one(name, component), Uint, "ids", &surfaces.ids);
+        }
+    }
+
+    /// Layers of the A-buffer. Its report goes with the picture.
+    pub(super) fn abuffer(&mut self, graph: &mut Graph, layers: &TransparentLayers) {
+        let one = |name: &str| vec![(name.to_string(), 0)];
+        self.image(graph, "abuffer.count", one("abuffer.count"), Samples::Float, "abuffer.count", &layers.count);
+        self.image(graph, "abuffer.front.Z", one("abuffer.front.Z"), Samples::Float, "abuffer.front", &layers.front);
+        if self.layers.iter().any(|layer| layer.name == "color") {
+            graph.capture(ABUFFER_REPORT, &layers.report);
         }
     }
 

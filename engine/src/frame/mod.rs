@@ -6,10 +6,10 @@ mod layers;
 use ash::vk;
 use glam::Vec3;
 
-pub use layers::{Layer, Samples, Selection, Source};
+pub use layers::{ABUFFER_REPORT, Layer, Samples, Selection, Source};
 
-use crate::graph::{Graph, ImageHandle, ImageShape};
-use crate::scene::{GpuScene, Light, LightKind, LightShadow, MAX_LIGHTS, View, light_block};
+use crate::graph::{BufferHandle, Graph, ImageHandle, ImageShape};
+use crate::scene::{DrawClass, GpuScene, Light, LightKind, LightShadow, MAX_LIGHTS, View, light_block};
 use crate::shader::generated::blocks;
 use crate::techniques::shading::lighting::{Lighting, LightingInput};
 use crate::techniques::shadow::cascaded::{Cascaded, CascadedShadow};
@@ -18,7 +18,19 @@ use crate::techniques::shadow::{Receivers, map_sampler};
 use crate::techniques::surface::depth::DepthPrepass;
 use crate::techniques::surface::gbuffer::{GBuffer, Precision, Surfaces};
 use crate::techniques::surface::position::Position;
-use crate::techniques::transparency::sorted::{ForwardLights, ForwardShadow, Sorted};
+use crate::techniques::transparency::abuffer::{ABuffer, Blended, COMPACT_TRIANGLES, Composited, NodeFormat};
+use crate::techniques::transparency::forward::{ForwardLights, ForwardShadow};
+use crate::techniques::transparency::sorted::Sorted;
+
+/// How blended surfaces are composited.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Transparency {
+    /// Object by object, far ones first: objects that interlock come out wrong.
+    #[default]
+    Sorted,
+    /// Every layer of every pixel, by depth.
+    ABuffer,
+}
 
 /// What a frame is made with.
 #[derive(Clone, Debug)]
@@ -31,8 +43,12 @@ pub struct FrameSettings {
     pub spot: Spot,
     /// Radiance that comes from everywhere, cd/m².
     pub environment: Vec3,
-    /// How finely the G-buffer is stored.
+    /// How finely the G-buffer and the layers of the A-buffer are stored.
     pub precision: Precision,
+    /// How blended surfaces are composited.
+    pub transparency: Transparency,
+    /// Most bytes that the A-buffer's layers may take.
+    pub layer_memory: u64,
     /// Which layers are captured. What only others need is not rendered.
     pub layers: Selection,
 }
@@ -46,6 +62,8 @@ impl FrameSettings {
             spot: Spot::default(),
             environment: Vec3::ZERO,
             precision: Precision::default(),
+            transparency: Transparency::default(),
+            layer_memory: u64::MAX,
             layers: Selection::All,
         }
     }
@@ -98,14 +116,43 @@ impl FrameSettings {
                 ForwardShadow { parameters, maps, taps: *taps }
             }),
             sampler: map_sampler(),
+            environment: self.environment,
         };
-        let color =
-            Sorted { environment: self.environment }.record(graph, scene, view, &surfaces.depth, &forward, lit.color);
+        let (color, layers) = self.transparency(graph, scene, &surfaces.depth, &forward, lit.color);
 
         // 4. Captures.
         captured.frame(graph, &color, &lit.direct, &position, &surfaces);
         captured.shadows(graph, scene, &shadows);
+        if let Some(layers) = &layers {
+            captured.abuffer(graph, layers);
+        }
         Frame { layers: captured.layers, warnings: shadows.warnings }
+    }
+
+    /// Blended surfaces over `color`; what the A-buffer knows of them besides.
+    fn transparency<'f>(
+        &self,
+        graph: &mut Graph<'f>,
+        scene: &'f GpuScene,
+        depth: &ImageHandle,
+        lights: &ForwardLights,
+        color: ImageHandle,
+    ) -> (ImageHandle, Option<TransparentLayers>) {
+        let view = &self.view;
+        let any = scene.draws.draws().iter().any(|draw| draw.class == DrawClass::Blend);
+        if !any || self.transparency == Transparency::Sorted {
+            return (Sorted.record(graph, scene, view, depth, lights, color), None);
+        }
+        let blended = Blended::new(graph, scene, *view, lights);
+        let format = match self.precision {
+            Precision::Float => NodeFormat::Float,
+            Precision::Compact if blended.triangles() > COMPACT_TRIANGLES => NodeFormat::Half,
+            Precision::Compact => NodeFormat::Compact,
+        };
+        // Up to a million cd/m²: highlights of the sun are beyond what nodes hold as they are.
+        let abuffer = ABuffer { format, exponent: 4, memory: self.layer_memory, ..ABuffer::default() };
+        let Composited { color, count, front, report, .. } = abuffer.record(graph, view, depth, &blended, color);
+        (color, Some(TransparentLayers { count, front, report }))
     }
 
     /// Shadow maps of the first directional light and of the spots, and one image with a mask a layer.
@@ -156,6 +203,13 @@ impl FrameSettings {
         shadows.masks = graph.join(written);
         shadows
     }
+}
+
+/// What the A-buffer knows besides the colour.
+struct TransparentLayers {
+    count: ImageHandle,
+    front: ImageHandle,
+    report: BufferHandle,
 }
 
 /// Shadows of a frame.

@@ -6,9 +6,9 @@
 use std::sync::{Arc, OnceLock};
 
 use super::builder::{Data, Graph};
-use super::description::{self, Root, UNKNOWN_SIZE};
+use super::description::{self, ImageShape, Root, UNKNOWN_SIZE};
 use super::execute::{Capture, Executed};
-use super::handle::{BufferHandle, Handle};
+use super::handle::{BufferHandle, Handle, ImageHandle};
 use crate::gpu::QueryKind;
 use crate::{Error, Result};
 
@@ -43,6 +43,8 @@ enum What<'f> {
     Values(Tell),
     /// A buffer gets its size.
     Size(description::ResourceId, Follow<'f, u64>),
+    /// An image gets its width and height.
+    Extent(description::ResourceId, Follow<'f, [u32; 2]>),
     /// A block gets its bytes.
     Bytes(Data, Follow<'f, Vec<u8>>),
 }
@@ -121,6 +123,22 @@ impl<'f> Graph<'f> {
         buffer
     }
 
+    /// As [`Graph::image`], of one level and layer, its width and height following from what the checkpoint reads;
+    /// each is at least 1. An error ends the frame. Until then its handle has 1×1 texels: it is no attachment.
+    pub fn image_after<T: bytemuck::Pod>(
+        &mut self,
+        checkpoint: &Checkpoint<T>,
+        name: impl Into<String>,
+        format: ash::vk::Format,
+        size: impl FnOnce(&[T]) -> Result<[u32; 2]> + 'f,
+    ) -> ImageHandle {
+        let image = self.image(name, ImageShape::new_2d(format, [1, 1]));
+        let told = checkpoint.clone();
+        let size = move || size(told.values()?);
+        self.after(checkpoint, What::Extent(image.resource, Box::new(size)));
+        image
+    }
+
     /// As [`Graph::data`], of one value that follows from what the checkpoint reads. For passes recorded after it.
     pub fn data_after<T: bytemuck::Pod, B: bytemuck::Pod>(
         &mut self,
@@ -160,6 +178,7 @@ pub(super) fn reach(
         match what {
             What::Values(tell) => tell(executed, capture)?,
             What::Size(resource, size) => description.set_size(resource, size()?.max(4)),
+            What::Extent(resource, size) => description.set_extent(resource, size()?.map(|side| side.max(1))),
             What::Bytes(data, bytes) => write(data.offset, &bytes()?)?,
         }
     }
@@ -167,6 +186,14 @@ pub(super) fn reach(
 }
 
 impl description::Description {
+    /// Gives an image its size where it was not known. Ranges of images do not depend on it.
+    pub(super) fn set_extent(&mut self, resource: description::ResourceId, size: [u32; 2]) {
+        let Some(known) = self.resources.get_mut(resource.0 as usize) else { return };
+        if let description::Shape::Image(shape) = &mut known.shape {
+            shape.extent = [size[0], size[1], 1];
+        }
+    }
+
     /// Gives a buffer its size where it was not known.
     pub(super) fn set_size(&mut self, resource: description::ResourceId, size: u64) {
         let Some(known) = self.resources.get_mut(resource.0 as usize) else { return };

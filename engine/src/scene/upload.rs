@@ -1,5 +1,6 @@
 //! A scene on the device: shared geometry, one record an instance, textures, and the draws over them.
 
+use std::collections::HashMap;
 use std::ops::Deref;
 
 use ash::vk;
@@ -187,6 +188,7 @@ fn draws_and_instances(scene: &Scene, geometry: &Geometry) -> (DrawList, Vec<blo
             items.push(Item { key, object: index });
         }
     }
+    let first_blended = first_blended(scene);
     items.sort_by_key(|item| (item.key, item.object));
 
     let mut draws: Vec<Draw> = Vec::new();
@@ -202,7 +204,9 @@ fn draws_and_instances(scene: &Scene, geometry: &Geometry) -> (DrawList, Vec<blo
         let before: usize = primitives[..part].iter().map(|p| p.indices.len() / 3).sum();
         let start = geometry.starts[mesh][part];
         instance_bounds.push(bounds);
-        instances.push(instance_record(&object.world_from_object, item.object, material, before, start));
+        let mut record = instance_record(&object.world_from_object, item.object, material, before, start);
+        record.first_blended = first_blended.get(&(item.object, part)).copied().unwrap_or(0);
+        instances.push(record);
         // Blended instances are sorted one by one, so each is a draw of its own.
         if last_key == Some(item.key) && class != DrawClass::Blend {
             let draw = draws.last_mut().expect("a key came with a draw");
@@ -229,6 +233,21 @@ fn draws_and_instances(scene: &Scene, geometry: &Geometry) -> (DrawList, Vec<blo
     (DrawList::new(draws, instance_bounds), instances)
 }
 
+/// By object and primitive: how many blended triangles the scene has before. The order of draws has no say in it.
+fn first_blended(scene: &Scene) -> HashMap<(usize, usize), u32> {
+    let mut before = 0;
+    let mut first = HashMap::new();
+    for (index, object) in scene.objects.iter().enumerate() {
+        for (part, primitive) in scene.meshes[object.mesh].primitives.iter().enumerate() {
+            if scene.materials[primitive.material].alpha_mode == AlphaMode::Blend {
+                first.insert((index, part), before);
+                before += primitive.indices.len() as u32 / 3;
+            }
+        }
+    }
+    first
+}
+
 fn instance_record(
     world_from_object: &Mat4,
     object: usize,
@@ -252,6 +271,7 @@ fn instance_record(
         first_primitive: first_primitive as u32,
         first_index,
         vertex_offset,
+        first_blended: 0,
     }
 }
 

@@ -26,6 +26,11 @@ pub static TECHNIQUES: &[Technique] = &[
     Technique { family: "surface", name: "position", summary: "world position and distance from depth" },
     Technique {
         family: "transparency",
+        name: "abuffer",
+        summary: "blended materials, every layer kept, sorted by depth and composited exactly",
+    },
+    Technique {
+        family: "transparency",
         name: "sorted",
         summary: "blended materials, forward-shaded, sorted by object",
     },

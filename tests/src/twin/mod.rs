@@ -6,6 +6,7 @@ pub mod brdf;
 pub mod bvh;
 pub mod camera;
 pub mod cascades;
+pub mod layers;
 pub mod lighting;
 pub mod scene;
 pub mod shadow;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
 use shadowgraph::capture::Compression;
-use shadowgraph::frame::Selection;
+use shadowgraph::frame::{Selection, Transparency};
 
 use crate::arguments::{self, Resolution, SceneSource, Size, Sun};
 
@@ -95,6 +95,14 @@ pub struct FrameArguments {
     #[arg(long, value_name = "LUMINANCE", value_parser = arguments::not_negative, allow_hyphen_values = true,
         help_heading = "Light")]
     pub environment: Option<f32>,
+    /// How blended surfaces are composited: object by object, or every layer of every pixel by depth, which is exact and
+    /// slower
+    #[arg(long, value_enum, value_name = "KIND", default_value_t = TransparencyKind::Sorted)]
+    pub transparency: TransparencyKind,
+    /// Most memory for the layers of `--transparency abuffer`, in MiB; otherwise as much as the device gives. Where it is
+    /// not enough, the command fails and says how much would be
+    #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..=1 << 30))]
+    pub layer_memory: Option<u64>,
     /// Layers to keep, by name or by first part of the name, between commas: color,Z,N,id. What no layer needs is not
     /// rendered. An unknown name makes the command list the known ones
     #[arg(long, value_name = "LIST|all", value_parser = arguments::layers, default_value = "all")]
@@ -106,6 +114,25 @@ pub struct FrameArguments {
     /// The device
     #[command(flatten)]
     pub device: DeviceArguments,
+}
+
+/// How blended surfaces are composited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TransparencyKind {
+    /// Object by object, far ones first.
+    Sorted,
+    /// Every layer of every pixel, by depth.
+    #[value(name = "abuffer")]
+    ABuffer,
+}
+
+impl From<TransparencyKind> for Transparency {
+    fn from(kind: TransparencyKind) -> Self {
+        match kind {
+            TransparencyKind::Sorted => Self::Sorted,
+            TransparencyKind::ABuffer => Self::ABuffer,
+        }
+    }
 }
 
 /// Ways to look into a frame.
@@ -127,8 +154,8 @@ pub struct DebugArguments {
 #[command(after_help = "\
 Layers: color (R,G,B,A), Z (distance along the view axis, m), N (normal) and P (position) in world space, \
 albedo, roughness, metallic, occlusion, emissive, direct (light that came straight from lamps), id.object, \
-id.primitive, id.material (from 1; names in the header), shadow.LIGHT, cascade.index, and shadow maps as parts \
-map.LIGHT.
+id.primitive, id.material (from 1; names in the header), shadow.LIGHT, cascade.index, abuffer.count and \
+abuffer.front.Z (layers, and how far the nearest is; with --transparency abuffer), and shadow maps as parts map.LIGHT.
 
 Examples:
   shadowgraph capture scene.glb -o out.exr
@@ -271,6 +298,8 @@ pub struct InfoArguments {
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "\
 Benchmarks:
+  abuffer  layers of one colour over the whole picture: building, sorting and compositing them, beside
+           blending of the same fragments
   capture  whole captures, each in a process of its own: process start, device, loading, first-draw
            compilation, rendering, read-back, writing; cold (no compiled shaders on disk) and warm
   graph    chains and trees of 10 to 10 000 small passes: describing, planning, recording, memory
@@ -301,6 +330,8 @@ pub struct BenchArguments {
 /// A benchmark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum BenchName {
+    /// What the A-buffer costs a fragment.
+    Abuffer,
     /// Whole captures.
     Capture,
     /// What a pass costs on the host.

@@ -1,10 +1,11 @@
 //! What commands share: a device, a scene on it, and a frame.
 
 use serde::Serialize;
-use shadowgraph::frame::{Frame, FrameSettings, Selection};
+use shadowgraph::frame::{ABUFFER_REPORT, Frame, FrameSettings, Selection, Transparency};
 use shadowgraph::gpu::{Gpu, GpuOptions, Messages, Severity, Validation};
 use shadowgraph::graph::{Executed, Executor, Graph};
 use shadowgraph::scene::{Camera, GpuScene, Scene};
+use shadowgraph::shader::generated::blocks::ABufferReport;
 use shadowgraph::techniques::surface::gbuffer::Precision;
 
 use crate::arguments::SceneSource;
@@ -68,6 +69,8 @@ pub fn frame_settings(arguments: &FrameArguments, scene: &Scene, camera: &Camera
         precision: if arguments.float { Precision::Float } else { Precision::Compact },
         environment: glam::Vec3::splat(environment),
         layers: arguments.layers.clone(),
+        transparency: arguments.transparency.into(),
+        layer_memory: arguments.layer_memory.map_or(u64::MAX, |mebibytes| mebibytes << 20),
         ..FrameSettings::new(camera.view(arguments.size.0))
     }
 }
@@ -104,7 +107,22 @@ pub fn render(
     change(&mut graph)?;
     let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
     let executed = executor.execute(&plan, graph)?;
+    check_layers(&executed)?;
     Ok((frame, executed))
+}
+
+/// What the A-buffer could not hold is not lost in silence.
+fn check_layers(executed: &Executed) -> Result<()> {
+    let Some(report) = executed.captures.iter().find(|capture| capture.name == ABUFFER_REPORT) else { return Ok(()) };
+    let report = report.texels::<ABufferReport>()?.first().copied();
+    let Some(ABufferReport { lost_pixels, clamped_pixels }) = report else { return Ok(()) };
+    if lost_pixels > 0 {
+        return Err(Failure::failed(format!("the A-buffer lost layers of {lost_pixels} pixels")));
+    }
+    if clamped_pixels > 0 {
+        log::warn!("{clamped_pixels} pixels have layers brighter than the A-buffer's nodes hold; --float keeps them");
+    }
+    Ok(())
 }
 
 /// How a frame was made, for the file's header: what the arguments say that the rest of the header does not.
@@ -115,6 +133,7 @@ pub struct Recipe {
     sun: Option<[f32; 4]>,
     environment: f32,
     float: bool,
+    transparency: &'static str,
 }
 
 impl Recipe {
@@ -126,6 +145,10 @@ impl Recipe {
             sun: arguments.sun.map(|sun| sun.direction.extend(sun.illuminance).to_array()),
             environment: settings.environment.x,
             float: arguments.float,
+            transparency: match settings.transparency {
+                Transparency::Sorted => "sorted",
+                Transparency::ABuffer => "abuffer",
+            },
         }
     }
 }

@@ -1,3 +1,5 @@
 //! Surfaces that let light through.
 
+pub mod abuffer;
+pub mod forward;
 pub mod sorted;

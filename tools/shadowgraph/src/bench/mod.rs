@@ -1,5 +1,6 @@
 //! `bench`: measures how long things take.
 
+mod abuffer;
 mod capture;
 mod graph;
 mod voxelize;
@@ -35,6 +36,7 @@ pub fn run(arguments: &BenchArguments) -> Result<()> {
     for &name in BenchName::value_variants() {
         if arguments.name.is_none_or(|wanted| wanted == name) {
             match name {
+                BenchName::Abuffer => abuffer::run(arguments, &mut tell)?,
                 BenchName::Capture => capture::run(arguments, &mut tell)?,
                 BenchName::Graph => graph::run(arguments, &mut tell)?,
                 BenchName::Write => write::run(arguments, &mut tell)?,

@@ -1,0 +1,92 @@
+//! Contiguous arrays: a pass counts, prefix sums say where each pixel's array begins, a pass fills.
+
+use ash::vk;
+
+use super::fragments::{Fragments, Step};
+use super::resolve::Resolved;
+use super::scan::{chunks_of, scan, work};
+use super::{ABuffer, Built, Composited};
+use crate::gpu::blend;
+use crate::graph::{Graph, ImageHandle, ImageShape, Load};
+use crate::scene::{View, depth};
+use crate::shader::generated::blocks;
+use crate::shader::generated::transparency::abuffer::{array_frag, check_comp, count_frag, scan_offsets_comp};
+
+const NAME: &str = "abuffer";
+
+impl ABuffer {
+    pub(super) fn by_arrays<'f>(
+        &self,
+        graph: &mut Graph<'f>,
+        view: &View,
+        depth: &ImageHandle,
+        fragments: &impl Fragments<'f>,
+        color: ImageHandle,
+    ) -> Composited {
+        let size = depth.size();
+
+        // 1. How many fragments each pixel has, how many there are, and where each pixel's begin.
+        let count = self.count(graph, depth, fragments);
+        let frame = graph.data(&[blocks::ABufferFrame { size, capacity: 0, used: 1 }]);
+        let scanned = scan(graph, NAME, &count, frame);
+        let work = work(graph, NAME, &scanned.told);
+        let cursors = graph.buffer("abuffer.cursors", 4 * u64::from(size[0]) * u64::from(size[1]));
+        let mut pass = graph.compute("abuffer.scan.offsets", &scan_offsets_comp::SHADER);
+        pass.uniform_data(scan_offsets_comp::ABUFFER, frame)
+            .read(scan_offsets_comp::COUNTS, &count)
+            .read(scan_offsets_comp::CHUNKS, &scanned.chunks)
+            .read(scan_offsets_comp::GROUPS, &scanned.groups)
+            .read(scan_offsets_comp::TOTALS, &scanned.totals);
+        let work = pass.write(scan_offsets_comp::WORK, work);
+        let cursors = pass.write(scan_offsets_comp::CURSORS, cursors);
+        pass.dispatch([chunks_of(size) as u32, 1, 1]);
+
+        // 2. Arrays of exactly that size, filled.
+        let (nodes, frame) = {
+            let (this, caps) = (*self, graph.caps());
+            let nodes =
+                graph.image_after(&scanned.told, "abuffer.nodes", vk::Format::R32G32B32A32_UINT, move |totals| {
+                    this.nodes_size(caps, u64::from(totals[0].total.nodes), false)
+                });
+            let frame = graph.data_after(&scanned.told, move |totals| blocks::ABufferFrame {
+                size,
+                capacity: totals[0].total.nodes,
+                used: 1,
+            });
+            (nodes, frame)
+        };
+        let programs = fragments.programs(Step::Arrays).into_iter();
+        let programs = programs.map(|program| self.specialized(program.depth(depth::CLOSER, false)));
+        let mut pass = graph.raster("abuffer.fill", programs.collect());
+        fragments.bind(&mut pass, Step::Arrays);
+        pass.uniform_data(array_frag::ABUFFER, frame).depth_test(depth);
+        let nodes = pass.write(array_frag::NODES, nodes);
+        let cursors = pass.write(array_frag::CURSORS, cursors);
+        pass.draw(fragments.draw(Step::Arrays));
+
+        // 3. Whether nothing was lost.
+        let mut resolved = Resolved::new(graph, color);
+        let mut pass = graph.compute("abuffer.check", &check_comp::SHADER);
+        pass.read(check_comp::WORK, &work).read(check_comp::CURSORS, &cursors);
+        resolved.report = pass.write(check_comp::REPORT, resolved.report);
+        pass.dispatch_indirect(&scanned.totals, std::mem::offset_of!(blocks::Totals, work_groups) as u64);
+
+        // 4. Sort and composite.
+        let built = Built { name: NAME, nodes, linked: false, scanned, work, frame };
+        let Resolved { color, report, front } = self.resolve(graph, view, &built, resolved);
+        Composited { color, count, front, report, totals: built.scanned.told, counter: None }
+    }
+
+    /// Fragments of each pixel, by blending.
+    fn count<'f>(&self, graph: &mut Graph<'f>, depth: &ImageHandle, fragments: &impl Fragments<'f>) -> ImageHandle {
+        let count = graph.image("abuffer.count", ImageShape::new_2d(vk::Format::R32_SFLOAT, depth.size()));
+        let programs = fragments.programs(Step::Count).into_iter();
+        let programs = programs.map(|program| program.depth(depth::CLOSER, false).blend(blend::add()));
+        let mut pass = graph.raster("abuffer.count", programs.collect());
+        fragments.bind(&mut pass, Step::Count);
+        pass.depth_test(depth);
+        let count = pass.color(count_frag::COUNT, count, Load::Clear([0.0; 4]));
+        pass.draw(fragments.draw(Step::Count));
+        count
+    }
+}

@@ -1,0 +1,158 @@
+//! Linked lists: a head for each pixel, nodes in the order they come, one counter.
+
+use ash::vk;
+
+use super::fragments::{Fragments, Step};
+use super::resolve::Resolved;
+use super::scan::{chunks_of, scan, work};
+use super::{ABuffer, Built, Composited, Sizing};
+use crate::graph::{BufferHandle, Checkpoint, Data, Graph, ImageHandle, ImageShape};
+use crate::scene::{View, depth};
+use crate::shader::generated::blocks;
+use crate::shader::generated::transparency::abuffer::{list_counts_comp, list_frag, list_offsets_comp};
+
+const NODES: vk::Format = vk::Format::R32G32B32A32_UINT;
+
+/// Lists that were built.
+struct Lists {
+    nodes: ImageHandle,
+    heads: ImageHandle,
+    counter: BufferHandle,
+}
+
+impl ABuffer {
+    pub(super) fn by_lists<'f>(
+        &self,
+        sizing: Sizing,
+        graph: &mut Graph<'f>,
+        view: &View,
+        depth: &ImageHandle,
+        fragments: &impl Fragments<'f>,
+        color: ImageHandle,
+    ) -> Composited {
+        let size = depth.size();
+        let (this, caps) = (*self, graph.caps());
+        let block = move |capacity, used| blocks::ABufferFrame { size, capacity, used };
+        let count = graph.image("abuffer.count", ImageShape::new_2d(vk::Format::R32_SFLOAT, size));
+        let count = graph.clear("abuffer.count.begin", count, vk::ClearColorValue::default());
+        let onto = Resolved::new(graph, color);
+        match sizing {
+            Sizing::Counted => {
+                // 1. How many fragments there are, then lists of as many nodes.
+                samples(graph, depth, fragments);
+                let told = graph.checkpoint_samples("abuffer.samples", "abuffer.samples");
+                let nodes =
+                    graph.image_after(&told, "abuffer.nodes", NODES, move |n| this.nodes_size(caps, n[0], true));
+                let frame = graph.data_after(&told, move |samples| block(samples[0] as u32, 1));
+                let lists = self.build(graph, "abuffer", depth, fragments, nodes, frame, || Ok(true));
+                let counter = graph.checkpoint("abuffer.counter", &lists.counter);
+
+                // 2. Sort and composite.
+                let (built, count) = self.listed(graph, "abuffer", lists, count, frame);
+                let Resolved { color, report, front } = self.resolve(graph, view, &built, onto);
+                Composited { color, count, front, report, totals: built.scanned.told, counter: Some(counter) }
+            }
+            Sizing::Guessed(capacity) => {
+                // 1. Lists of so many nodes; the counter counts all fragments.
+                let most = self.most_nodes(caps, true);
+                let capacity = u64::from(capacity).min(most) as u32;
+                let room = self.image_size(u64::from(capacity), true);
+                let nodes = graph.image("abuffer.nodes", ImageShape::new_2d(NODES, room));
+                let frame = graph.data(&[block(capacity, 1)]);
+                let lists = self.build(graph, "abuffer", depth, fragments, nodes, frame, || Ok(true));
+                let counter: Checkpoint<u32> = graph.checkpoint("abuffer.counter", &lists.counter);
+                let enough = graph.data_after(&counter, move |n| block(capacity, u32::from(n[0] <= capacity)));
+
+                // 2. Where they are too few, once more with as many as were counted; else nothing is drawn.
+                let nodes = graph.image_after(&counter, "abuffer.redone.nodes", NODES, move |n| {
+                    this.nodes_size(caps, if n[0] <= capacity { 0 } else { u64::from(n[0]) }, true)
+                });
+                let frame = graph.data_after(&counter, move |n| block(n[0], u32::from(n[0] > capacity)));
+                let told = counter.clone();
+                let again = move || Ok(told.values()?[0] > capacity);
+                let redone = self.build(graph, "abuffer.redone", depth, fragments, nodes, frame, again);
+
+                // 3. Sort and composite those that are whole; the others count as empty.
+                let (built, count) = self.listed(graph, "abuffer", lists, count, enough);
+                let onto = self.resolve(graph, view, &built, onto);
+                let (built, count) = self.listed(graph, "abuffer.redone", redone, count, frame);
+                let Resolved { color, report, front } = self.resolve(graph, view, &built, onto);
+                Composited { color, count, front, report, totals: built.scanned.told, counter: Some(counter) }
+            }
+        }
+    }
+
+    /// Builds lists where `wanted` says so when the frame gets there.
+    #[allow(clippy::too_many_arguments)]
+    fn build<'f>(
+        &self,
+        graph: &mut Graph<'f>,
+        name: &'static str,
+        depth: &ImageHandle,
+        fragments: &impl Fragments<'f>,
+        nodes: ImageHandle,
+        frame: Data,
+        wanted: impl Fn() -> crate::Result<bool> + 'f,
+    ) -> Lists {
+        let heads = graph.image(format!("{name}.heads"), ImageShape::new_2d(vk::Format::R32_UINT, depth.size()));
+        let no_node = vk::ClearColorValue { uint32: [u32::MAX; 4] };
+        let heads = graph.clear(format!("{name}.heads.begin"), heads, no_node);
+        let counter = graph.buffer(format!("{name}.counter"), 4);
+        let counter = graph.fill(format!("{name}.counter.begin"), counter, 0);
+        let programs = fragments.programs(Step::Lists).into_iter();
+        let programs = programs.map(|program| self.specialized(program.depth(depth::CLOSER, false)));
+        let mut pass = graph.raster(format!("{name}.link"), programs.collect());
+        fragments.bind(&mut pass, Step::Lists);
+        pass.uniform_data(list_frag::ABUFFER, frame).depth_test(depth);
+        let nodes = pass.write(list_frag::NODES, nodes);
+        let heads = pass.write(list_frag::HEADS, heads);
+        let counter = pass.write(list_frag::COUNTER, counter);
+        let mut draw = fragments.draw(Step::Lists);
+        pass.draw(move |recorder| if wanted()? { draw(recorder) } else { Ok(()) });
+        Lists { nodes, heads, counter }
+    }
+
+    /// Walks the lists: how long each is, and which pixels have one.
+    fn listed<'f>(
+        &self,
+        graph: &mut Graph<'f>,
+        name: &'static str,
+        lists: Lists,
+        count: ImageHandle,
+        frame: Data,
+    ) -> (Built, ImageHandle) {
+        let Lists { nodes, heads, .. } = lists;
+        let size = heads.size();
+        let mut pass = graph.compute(format!("{name}.lengths"), &list_counts_comp::SHADER);
+        pass.uniform_data(list_counts_comp::ABUFFER, frame)
+            .read(list_counts_comp::NODES, &nodes)
+            .read(list_counts_comp::HEADS, &heads)
+            .specialize(list_counts_comp::NODE_FORMAT, self.format.number())
+            .specialize(list_counts_comp::LINKED, true);
+        let count = pass.write(list_counts_comp::COUNTS, count);
+        pass.dispatch([size[0], size[1], 1]);
+
+        let scanned = scan(graph, name, &count, frame);
+        let work = work(graph, name, &scanned.told);
+        let mut pass = graph.compute(format!("{name}.scan.offsets"), &list_offsets_comp::SHADER);
+        pass.uniform_data(list_offsets_comp::ABUFFER, frame)
+            .read(list_offsets_comp::COUNTS, &count)
+            .read(list_offsets_comp::CHUNKS, &scanned.chunks)
+            .read(list_offsets_comp::GROUPS, &scanned.groups)
+            .read(list_offsets_comp::TOTALS, &scanned.totals)
+            .read(list_offsets_comp::HEADS, &heads);
+        let work = pass.write(list_offsets_comp::WORK, work);
+        pass.dispatch([chunks_of(size) as u32, 1, 1]);
+        (Built { name, nodes, linked: true, scanned, work, frame }, count)
+    }
+}
+
+/// Counts all fragments by a precise occlusion query.
+fn samples<'f>(graph: &mut Graph<'f>, depth: &ImageHandle, fragments: &impl Fragments<'f>) {
+    let programs = fragments.programs(Step::Samples).into_iter();
+    let programs = programs.map(|program| program.depth(depth::CLOSER, false));
+    let mut pass = graph.raster("abuffer.samples", programs.collect());
+    fragments.bind(&mut pass, Step::Samples);
+    pass.depth_test(depth).count_samples();
+    pass.draw(fragments.draw(Step::Samples));
+}

@@ -1,0 +1,110 @@
+//! A-buffer: every fragment of blended surfaces is kept, sorted by depth in its pixel, and composited exactly.
+//!
+//! Sources: Carpenter 1984, "The A-buffer, an antialiased hidden surface method"; Yang, Hensley, Grün and Thibieroz
+//! 2010, "Real-time concurrent linked list construction on the GPU" (lists); Maule, Comba, Torchelsen and Bastos 2014,
+//! "Memory-optimized order-independent transparency with dynamic fragment buffer" (counting, prefix sum, arrays).
+
+mod arrays;
+mod fragments;
+mod lists;
+mod node;
+mod resolve;
+mod scan;
+
+pub use fragments::{Blended, Draw, Fragments, Step};
+pub use node::{COMPACT_TRIANGLES, NodeFormat};
+pub use resolve::MOST_LAYERS;
+
+use self::scan::Scanned;
+use crate::graph::{BufferHandle, Checkpoint, Data, Graph, ImageHandle};
+use crate::scene::View;
+use crate::shader::generated::blocks;
+
+/// A-buffer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ABuffer {
+    /// How fragments come to their pixels.
+    pub build: Build,
+    /// How nodes are stored.
+    pub format: NodeFormat,
+    /// Colours are stored as multiples of two to this power: it moves the range that the format can hold. From -64 to
+    /// 64.
+    pub exponent: i32,
+    /// Most bytes that nodes may take. The device's largest allocation is a limit anyway.
+    pub memory: u64,
+}
+
+impl Default for ABuffer {
+    /// Counted arrays of compact nodes, as many as the device has room for.
+    fn default() -> Self {
+        Self { build: Build::default(), format: NodeFormat::default(), exponent: 0, memory: u64::MAX }
+    }
+}
+
+/// How fragments come to their pixels. The picture is the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Build {
+    /// A pass counts, prefix sums place an array for each pixel, a second pass fills them.
+    #[default]
+    Arrays,
+    /// Linked lists, nodes allocated by one counter: the reference that the arrays are measured against.
+    Lists(Sizing),
+}
+
+/// How many nodes linked lists have room for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sizing {
+    /// As many as a precise occlusion query counts before. Needs `occlusionQueryPrecise`.
+    Counted,
+    /// So many. Where that is too few, the lists are built again in the same frame, with as many as there are.
+    Guessed(u32),
+}
+
+/// What an A-buffer gives.
+pub struct Composited {
+    /// The colour, with all layers over it.
+    pub color: ImageHandle,
+    /// Layers of each pixel, R32 float.
+    pub count: ImageHandle,
+    /// Distance of the nearest layer along the view axis, metres, R32 float; infinite where there is none.
+    pub front: ImageHandle,
+    /// One [`blocks::ABufferReport`].
+    pub report: BufferHandle,
+    /// Sums over all pixels; once the frame has run.
+    pub totals: Checkpoint<blocks::Totals>,
+    /// The counter of linked lists: fragments that asked for a node, of the first attempt.
+    pub counter: Option<Checkpoint<u32>>,
+}
+
+/// Nodes of a picture, before they are sorted.
+struct Built {
+    /// Before the names of passes.
+    name: &'static str,
+    nodes: ImageHandle,
+    linked: bool,
+    scanned: Scanned,
+    /// Pixels that have nodes, class by class.
+    work: BufferHandle,
+    /// `frame.glsl`'s block.
+    frame: Data,
+}
+
+impl ABuffer {
+    /// Composites all fragments before the opaque `depth` over `color` (R32G32B32A32 float, premultiplied).
+    ///
+    /// Running the frame fails with [`crate::Error::Invalid`], and says what would be needed, where there is no
+    /// room for all fragments or a pixel has more than [`MOST_LAYERS`].
+    pub fn record<'f>(
+        &self,
+        graph: &mut Graph<'f>,
+        view: &View,
+        depth: &ImageHandle,
+        fragments: &impl Fragments<'f>,
+        color: ImageHandle,
+    ) -> Composited {
+        match self.build {
+            Build::Arrays => self.by_arrays(graph, view, depth, fragments, color),
+            Build::Lists(sizing) => self.by_lists(sizing, graph, view, depth, fragments, color),
+        }
+    }
+}

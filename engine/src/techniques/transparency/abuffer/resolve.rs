@@ -1,0 +1,179 @@
+//! Sorting and compositing.
+
+use std::mem::offset_of;
+
+use ash::vk;
+
+use super::{ABuffer, Built};
+use crate::Error;
+use crate::graph::{BufferHandle, Graph, ImageHandle, ImageShape};
+use crate::scene::{View, ViewSet};
+use crate::shader::generated::blocks;
+use crate::shader::generated::transparency::abuffer::{
+    front_comp, long_blocks_comp, long_composite_comp, long_flatten_comp, long_merge_comp, long_runs_comp, resolve_comp,
+};
+
+/// Nodes that fit into registers: `scan.glsl`.
+const SHORT: u32 = 16;
+/// Nodes of a run, and how often runs are merged: `totals.glsl`.
+const RUN: u32 = 2048;
+const MERGES: u32 = 8;
+
+/// Most layers of a pixel.
+pub const MOST_LAYERS: u32 = RUN << MERGES;
+
+/// Bytes of a count of workgroups.
+const GROUPS: u64 = 12;
+
+/// Where `Totals` has the workgroups of an invocation a long pixel.
+const LONG_GROUPS: u64 = offset_of!(blocks::Totals, class_groups) as u64 + 3 * GROUPS;
+
+/// What is composited onto.
+pub(super) struct Resolved {
+    pub(super) color: ImageHandle,
+    pub(super) report: BufferHandle,
+    pub(super) front: ImageHandle,
+}
+
+impl Resolved {
+    /// Onto `color`: nothing went wrong so far, and there is no layer.
+    pub(super) fn new(graph: &mut Graph, color: ImageHandle) -> Self {
+        let report = graph.buffer("abuffer.report", size_of::<blocks::ABufferReport>() as u64);
+        let report = graph.fill("abuffer.report.begin", report, 0);
+        let front = graph.image("abuffer.front", ImageShape::new_2d(vk::Format::R32_SFLOAT, color.size()));
+        let nothing = vk::ClearColorValue { float32: [f32::INFINITY; 4] };
+        let front = graph.clear("abuffer.front.begin", front, nothing);
+        Self { color, report, front }
+    }
+}
+
+impl ABuffer {
+    /// Sorts each pixel's nodes and composites them over what is there.
+    pub(super) fn resolve(&self, graph: &mut Graph, view: &View, built: &Built, onto: Resolved) -> Resolved {
+        let onto = self.short(graph, built, onto);
+        let onto = self.long(graph, built, onto);
+        Resolved { front: self.front(graph, view, built, onto.front), ..onto }
+    }
+
+    /// Pixels of few nodes, class by class.
+    fn short(&self, graph: &mut Graph, built: &Built, onto: Resolved) -> Resolved {
+        let Resolved { mut color, mut report, front } = onto;
+        let groups = offset_of!(blocks::Totals, class_groups) as u64;
+        for (class, slots) in [4, 8, SHORT].into_iter().enumerate() {
+            let mut pass = graph.compute(format!("{}.resolve.{slots}", built.name), &resolve_comp::SHADER);
+            pass.uniform_data(resolve_comp::ABUFFER, built.frame)
+                .read(resolve_comp::NODES, &built.nodes)
+                .read(resolve_comp::TOTALS, &built.scanned.totals)
+                .read(resolve_comp::WORK, &built.work)
+                .specialize(resolve_comp::NODE_FORMAT, self.format.number())
+                .specialize(resolve_comp::NODE_UNIT, self.unit())
+                .specialize(resolve_comp::LINKED, built.linked)
+                .specialize(resolve_comp::SLOTS, slots);
+            color = pass.write(resolve_comp::COLOR, color);
+            report = pass.write(resolve_comp::REPORT, report);
+            pass.dispatch_indirect(&built.scanned.totals, groups + GROUPS * class as u64);
+        }
+        Resolved { color, report, front }
+    }
+
+    /// Pixels of more nodes: sorted in memory. Where there are none, nothing is dispatched.
+    fn long(&self, graph: &mut Graph, built: &Built, onto: Resolved) -> Resolved {
+        let Resolved { color, report, front } = onto;
+        let Built { name, scanned, frame, .. } = built;
+        let totals = &scanned.totals;
+        let mut sorted = |which: &str| {
+            let format = vk::Format::R32G32B32A32_UINT;
+            graph.image_after(&scanned.told, format!("{name}.sorted.{which}"), format, sorted_size)
+        };
+        let (even, odd) = (sorted("even"), sorted("odd"));
+        // Step 2 reads only what it wrote itself, which nobody can see from outside.
+        let odd = graph.clear(format!("{name}.sorted.begin"), odd, vk::ClearColorValue::default());
+
+        // 1. Blocks of 16, in registers; of lists, once their nodes stand side by side.
+        let odd = if built.linked { self.flatten(graph, built, odd) } else { odd };
+        let mut pass = graph.compute(format!("{name}.long.blocks"), &long_blocks_comp::SHADER);
+        pass.read(long_blocks_comp::NODES, &built.nodes)
+            .read(long_blocks_comp::FLAT_NODES, &odd)
+            .read(long_blocks_comp::TOTALS, totals)
+            .read(long_blocks_comp::WORK, &built.work)
+            .specialize(long_blocks_comp::NODE_FORMAT, self.format.number())
+            .specialize(long_blocks_comp::LINKED, built.linked);
+        let even = pass.write(long_blocks_comp::SORTED, even);
+        pass.dispatch_indirect(totals, offset_of!(blocks::Totals, block_groups) as u64);
+
+        // 2. Runs of 2048, an invocation each.
+        let mut pass = graph.compute(format!("{name}.long.runs"), &long_runs_comp::SHADER);
+        pass.read(long_runs_comp::TOTALS, totals).read(long_runs_comp::WORK, &built.work);
+        let mut even = pass.write(long_runs_comp::EVEN, even);
+        let mut odd = pass.write(long_runs_comp::ODD, odd);
+        pass.dispatch_indirect(totals, offset_of!(blocks::Totals, run_groups) as u64);
+
+        // 3. Runs two to one. Those of step 2 took an odd number of merges.
+        for merge in 0..MERGES {
+            let (from, to) = if merge % 2 == 0 { (odd, even) } else { (even, odd) };
+            let mut pass = graph.compute(format!("{name}.long.merge.{}", RUN << merge), &long_merge_comp::SHADER);
+            pass.read(long_merge_comp::TOTALS, totals)
+                .read(long_merge_comp::WORK, &built.work)
+                .read(long_merge_comp::FROM, &from)
+                .push(&(RUN << merge));
+            let to = pass.write(long_merge_comp::TO, to);
+            let groups = offset_of!(blocks::Totals, merge_groups) as u64 + GROUPS * u64::from(merge);
+            pass.dispatch_indirect(totals, groups);
+            (even, odd) = if merge % 2 == 0 { (to, from) } else { (from, to) };
+        }
+
+        // 4. Nearest first.
+        let mut pass = graph.compute(format!("{name}.long.composite"), &long_composite_comp::SHADER);
+        pass.uniform_data(long_composite_comp::ABUFFER, *frame)
+            .read(long_composite_comp::NODES, &built.nodes)
+            .read(long_composite_comp::TOTALS, totals)
+            .read(long_composite_comp::WORK, &built.work)
+            .read(long_composite_comp::EVEN, &even)
+            .read(long_composite_comp::ODD, &odd)
+            .specialize(long_composite_comp::NODE_FORMAT, self.format.number())
+            .specialize(long_composite_comp::NODE_UNIT, self.unit())
+            .specialize(long_composite_comp::LINKED, built.linked);
+        let color = pass.write(long_composite_comp::COLOR, color);
+        let report = pass.write(long_composite_comp::REPORT, report);
+        pass.dispatch_indirect(totals, LONG_GROUPS);
+        Resolved { color, report, front }
+    }
+
+    /// Nodes of long lists, side by side.
+    fn flatten(&self, graph: &mut Graph, built: &Built, to: ImageHandle) -> ImageHandle {
+        let mut pass = graph.compute(format!("{}.long.flatten", built.name), &long_flatten_comp::SHADER);
+        pass.read(long_flatten_comp::NODES, &built.nodes)
+            .read(long_flatten_comp::TOTALS, &built.scanned.totals)
+            .read(long_flatten_comp::WORK, &built.work)
+            .specialize(long_flatten_comp::NODE_FORMAT, self.format.number())
+            .specialize(long_flatten_comp::LINKED, true);
+        let to = pass.write(long_flatten_comp::FLAT_NODES, to);
+        pass.dispatch_indirect(&built.scanned.totals, LONG_GROUPS);
+        to
+    }
+
+    /// How far the nearest layer is.
+    fn front(&self, graph: &mut Graph, view: &View, built: &Built, front: ImageHandle) -> ImageHandle {
+        let mut pass = graph.compute(format!("{}.front", built.name), &front_comp::SHADER);
+        pass.uniform(front_comp::VIEWS, &ViewSet::from(*view).block())
+            .uniform_data(front_comp::ABUFFER, built.frame)
+            .read(front_comp::NODES, &built.nodes)
+            .read(front_comp::WORK, &built.work)
+            .specialize(front_comp::NODE_FORMAT, self.format.number())
+            .specialize(front_comp::LINKED, built.linked);
+        let front = pass.write(front_comp::FRONT, front);
+        pass.dispatch_indirect(&built.scanned.totals, offset_of!(blocks::Totals, work_groups) as u64);
+        front
+    }
+}
+
+/// Size of the image of sorted nodes: one texel where no pixel has many.
+fn sorted_size(totals: &[blocks::Totals]) -> crate::Result<[u32; 2]> {
+    let total = &totals[0].total;
+    if total.longest > MOST_LAYERS {
+        let wrong = format!("a pixel has {} layers; at most {MOST_LAYERS} are sorted", total.longest);
+        return Err(Error::invalid("A-buffer", wrong));
+    }
+    let nodes = if total.longest > SHORT { total.nodes } else { 0 };
+    Ok(super::node::texels_size(u64::from(nodes)))
+}

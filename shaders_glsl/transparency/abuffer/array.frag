@@ -1,0 +1,8 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#include "transparency/abuffer/fragment.glsl"
+#include "transparency/abuffer/array_append.glsl"
+
+void main() {
+    append(forward_color(), fragment_key());
+}

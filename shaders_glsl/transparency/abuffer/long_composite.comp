@@ -1,0 +1,40 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#include "transparency/abuffer/long.glsl"
+#include "transparency/abuffer/nodes_read.glsl"
+#include "transparency/abuffer/report.glsl"
+
+// Composites sorted nodes, nearest first, until nothing behind can be seen.
+
+layout(local_size_x = 64) in;
+
+layout(set = 0, binding = 5, rgba32f) uniform image2D color; // premultiplied
+layout(set = 0, binding = 7, rgba32ui) readonly uniform uimage2D even;
+layout(set = 0, binding = 8, rgba32ui) readonly uniform uimage2D odd;
+
+// Eight nodes a turn: lavapipe 22 ends loops after 65,535.
+#define LAYER(i) { \
+    ivec2 at = node_texel(pixel.place + min(done + i, pixel.count - 1u)); \
+    uvec4 node = in_odd ? imageLoad(odd, at) : imageLoad(even, at); \
+    vec4 layer = node_color(signed_key(node.y), node.zw); \
+    put_behind(front, done + i < pixel.count ? layer : vec4(0.0)); \
+    clamped = clamped || is_clamped(node.zw); \
+}
+
+void main() {
+    Pixel pixel;
+    if (!long_pixel(work_index(), pixel)) {
+        return;
+    }
+    bool in_odd = (merges_of(pixel.count) & 1u) == 1u;
+    vec4 front = vec4(0.0, 0.0, 0.0, 1.0);
+    bool clamped = false;
+    for (uint done = 0u; done < pixel.count && front.a > 0.0; done += 8u) {
+        LAYER(0u) LAYER(1u) LAYER(2u) LAYER(3u) LAYER(4u) LAYER(5u) LAYER(6u) LAYER(7u)
+    }
+    if (clamped) {
+        atomicAdd(report.clamped_pixels, 1u);
+    }
+    ivec2 at = pixel_of(pixel.index);
+    imageStore(color, at, over_opaque(front, imageLoad(color, at)));
+}

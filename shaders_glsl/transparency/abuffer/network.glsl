@@ -1,0 +1,68 @@
+// Up to 16 nodes in registers, nearest first, by a sorting network (Batcher 1968, odd-even merge sort): no branch, no
+// indexed memory, the same steps for all lanes of a vector.
+
+layout(constant_id = 5) const uint SLOTS = 16u; // 4, 8 or 16
+
+// Depth and key as signed numbers that sort as they do, and what else is needed of the node. Empty slots lie behind everything.
+int slot_depth[16];
+int slot_key[16];
+uvec2 slot_payload[16];
+
+#define FRONT_FIRST(i, j) { \
+    bool swap = slot_depth[j] > slot_depth[i] || (slot_depth[j] == slot_depth[i] && slot_key[j] > slot_key[i]); \
+    int d = slot_depth[i]; \
+    int k = slot_key[i]; \
+    uvec2 p = slot_payload[i]; \
+    slot_depth[i] = swap ? slot_depth[j] : d; \
+    slot_key[i] = swap ? slot_key[j] : k; \
+    slot_payload[i] = swap ? slot_payload[j] : p; \
+    slot_depth[j] = swap ? d : slot_depth[j]; \
+    slot_key[j] = swap ? k : slot_key[j]; \
+    slot_payload[j] = swap ? p : slot_payload[j]; \
+}
+
+#define SORT_4(a) \
+    FRONT_FIRST(a, a + 1) FRONT_FIRST(a + 2, a + 3) \
+    FRONT_FIRST(a, a + 2) FRONT_FIRST(a + 1, a + 3) \
+    FRONT_FIRST(a + 1, a + 2)
+
+#define SORT_8(a) \
+    SORT_4(a) SORT_4(a + 4) \
+    FRONT_FIRST(a, a + 4) FRONT_FIRST(a + 1, a + 5) FRONT_FIRST(a + 2, a + 6) FRONT_FIRST(a + 3, a + 7) \
+    FRONT_FIRST(a + 2, a + 4) FRONT_FIRST(a + 3, a + 5) \
+    FRONT_FIRST(a + 1, a + 2) FRONT_FIRST(a + 3, a + 4) FRONT_FIRST(a + 5, a + 6)
+
+#define SORT_16 \
+    SORT_8(0) SORT_8(8) \
+    FRONT_FIRST(0, 8) FRONT_FIRST(1, 9) FRONT_FIRST(2, 10) FRONT_FIRST(3, 11) \
+    FRONT_FIRST(4, 12) FRONT_FIRST(5, 13) FRONT_FIRST(6, 14) FRONT_FIRST(7, 15) \
+    FRONT_FIRST(4, 8) FRONT_FIRST(5, 9) FRONT_FIRST(6, 10) FRONT_FIRST(7, 11) \
+    FRONT_FIRST(2, 4) FRONT_FIRST(3, 5) FRONT_FIRST(6, 8) FRONT_FIRST(7, 9) \
+    FRONT_FIRST(10, 12) FRONT_FIRST(11, 13) \
+    FRONT_FIRST(1, 2) FRONT_FIRST(3, 4) FRONT_FIRST(5, 6) FRONT_FIRST(7, 8) FRONT_FIRST(9, 10) \
+    FRONT_FIRST(11, 12) FRONT_FIRST(13, 14)
+
+void sort_slots() {
+    if (SLOTS == 4u) {
+        SORT_4(0)
+    } else if (SLOTS == 8u) {
+        SORT_8(0)
+    } else {
+        SORT_16
+    }
+}
+
+// `each(i)` for every slot, in order.
+#define EACH_SLOT(each) \
+    each(0) each(1) each(2) each(3) \
+    if (SLOTS > 4u) { each(4) each(5) each(6) each(7) } \
+    if (SLOTS > 8u) { each(8) each(9) each(10) each(11) each(12) each(13) each(14) each(15) }
+
+// Loads node `i` of those that begin at `node`, of which `left` are there.
+#define LOAD_SLOT(i) { \
+    uvec4 texel = node_at(node); \
+    slot_depth[i] = i < left ? int(texel.x) : -1; \
+    slot_key[i] = signed_key(texel.y); \
+    slot_payload[i] = node_payload(node, texel); \
+    node = i < left ? node_after(node, texel) : node; \
+}

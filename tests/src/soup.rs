@@ -1,0 +1,316 @@
+//! Soups of blended triangles whose vertices lie on the grid of 1/256 pixel, and what the A-buffer makes of them.
+
+use glam::{DVec4, Mat4, Vec3, Vec4};
+use shadowgraph::gpu::Gpu;
+use shadowgraph::graph::{Executed, Executor, Graph, ImageShape};
+use shadowgraph::scene::{AlphaMode, Draw, DrawList, GpuScene, Material, Scene, View, light_block};
+use shadowgraph::shader::generated::blocks;
+use shadowgraph::techniques::shadow::map_sampler;
+use shadowgraph::techniques::surface::depth::DepthPrepass;
+use shadowgraph::techniques::transparency::abuffer::{ABuffer, Blended, Composited};
+use shadowgraph::techniques::transparency::forward::ForwardLights;
+
+use crate::tiny;
+use crate::twin::layers::{self, Fragment, GRID};
+
+/// What lies behind everything, premultiplied.
+pub const BACKGROUND: [f32; 4] = [0.1, 0.4, 0.2, 1.0];
+
+/// Depth of the opaque rectangle.
+pub const OPAQUE: f32 = 0.25;
+
+/// Triangles over a picture, before a background whose left half has an opaque rectangle.
+#[derive(Clone)]
+pub struct Soup {
+    /// For reports.
+    pub name: String,
+    /// A power of two each: then vertices stay on the grid.
+    pub size: [u32; 2],
+    /// Their keys are their numbers; colours are not premultiplied.
+    pub triangles: Vec<Flat>,
+    /// Triangles an object.
+    pub per_object: usize,
+}
+
+/// A triangle of one colour.
+#[derive(Clone, Copy, Debug)]
+pub struct Flat {
+    /// In 1/256 pixel.
+    pub corners: [[i64; 2]; 3],
+    /// At the vertices.
+    pub depth: [f32; 3],
+    /// Not premultiplied.
+    pub color: [f32; 4],
+}
+
+/// What the A-buffer found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// Bytes of the picture.
+    pub color: Vec<[f32; 4]>,
+    /// Layers of each pixel.
+    pub count: Vec<f32>,
+    /// Distance of the nearest layer.
+    pub front: Vec<f32>,
+    /// Pixels whose nodes are not as many as were counted; pixels with a clamped colour.
+    pub report: [u32; 2],
+    /// Nodes in all.
+    pub nodes: u32,
+    /// Most of a pixel.
+    pub longest: u32,
+    /// Counter of linked lists.
+    pub counter: Option<u32>,
+    /// Samples that an occlusion query counted.
+    pub samples: Option<u64>,
+}
+
+/// Numbers from a seed (Marsaglia 2003, "Xorshift RNGs").
+pub struct Random(u64);
+
+impl Random {
+    /// From a seed.
+    pub fn new(seed: u64) -> Self {
+        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
+    }
+
+    /// Below `end`.
+    pub fn below(&mut self, end: u64) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) % end
+    }
+
+    /// From 0 to 1.
+    pub fn unit(&mut self) -> f32 {
+        self.below(1 << 24) as f32 / (1 << 24) as f32
+    }
+
+    /// A colour whose alpha is a whole number of 255ths.
+    pub fn color(&mut self) -> [f32; 4] {
+        [self.unit(), self.unit(), self.unit(), (1 + self.below(255)) as f32 / 255.0]
+    }
+
+    /// In any order.
+    pub fn shuffle<T>(&mut self, items: &mut [T]) {
+        (1..items.len()).rev().for_each(|i| items.swap(i, self.below(i as u64 + 1) as usize));
+    }
+}
+
+impl Soup {
+    /// Triangles anywhere, at slopes of depth, and `wide` rectangles over nearly the whole picture at a depth each.
+    pub fn random(seed: u64, size: [u32; 2], triangles: usize, wide: usize) -> Self {
+        let mut random = Random::new(seed);
+        let far = size.map(|side| i64::from(side) * GRID);
+        let mut all = Vec::new();
+        for _ in 0..triangles {
+            let corners = [(); 3].map(|()| far.map(|far| random.below(far as u64 + 1) as i64));
+            let depth = [(); 3].map(|()| 0.05 + 0.9 * random.unit());
+            all.push(Flat { corners, depth, color: random.color() });
+        }
+        for _ in 0..wide {
+            let mut inset = || random.below(2 * GRID as u64) as i64;
+            let [left, top, right, bottom] = [inset(), inset(), far[0] - inset(), far[1] - inset()];
+            let (depth, color) = (0.05 + 0.9 * random.unit(), random.color());
+            all.extend(rectangle([left, top], [right, bottom], [depth; 4], color));
+        }
+        random.shuffle(&mut all);
+        let name = format!("soup of {triangles} triangles and {wide} rectangles");
+        Self { name, size, triangles: all, per_object: 1 }
+    }
+
+    /// Planes that cut through each other, in both directions.
+    pub fn interpenetrating(size: [u32; 2], planes: usize) -> Self {
+        let mut random = Random::new(7);
+        let far = size.map(|side| i64::from(side) * GRID);
+        let mut all = Vec::new();
+        for plane in 0..planes {
+            let (a, b) = (0.3 + 0.6 * random.unit(), 0.3 + 0.6 * random.unit());
+            let depth = if plane % 2 == 0 { [a, b, a, b] } else { [a, a, b, b] };
+            all.extend(rectangle([0, 0], far, depth, random.color()));
+        }
+        Self { name: format!("{planes} planes through each other"), size, triangles: all, per_object: 2 }
+    }
+
+    /// Rectangles all at one depth, several an object.
+    pub fn coplanar(size: [u32; 2], stack: usize) -> Self {
+        let mut random = Random::new(9);
+        let far = size.map(|side| i64::from(side) * GRID);
+        let mut all = Vec::new();
+        for _ in 0..stack {
+            let mut inset = |far: i64| random.below(far as u64 / 2) as i64;
+            let (low, high) = ([inset(far[0]), inset(far[1])], [far[0] - inset(far[0]), far[1] - inset(far[1])]);
+            all.extend(rectangle(low, high, [0.5; 4], random.color()));
+        }
+        Self { name: format!("{stack} rectangles at one depth"), size, triangles: all, per_object: 6 }
+    }
+
+    /// With alphas of any value.
+    pub fn with_any_alpha(mut self) -> Self {
+        let mut random = Random::new(11);
+        self.triangles.iter_mut().for_each(|triangle| triangle.color[3] = random.unit());
+        self
+    }
+
+    /// With alphas so low that the farthest of many layers is still to be seen, at depths that steps of floats tell
+    /// apart.
+    pub fn thin(mut self, alpha: f32) -> Self {
+        self.triangles.iter_mut().for_each(|triangle| triangle.color[3] = alpha);
+        self
+    }
+
+    /// With so many triangles an object.
+    pub fn in_objects_of(mut self, triangles: usize) -> Self {
+        self.per_object = triangles;
+        self
+    }
+
+    /// With vertices on the grid of a device that has so many bits below the pixel.
+    pub fn on_grid(mut self, bits: u32) -> Self {
+        let step = GRID >> bits.min(8);
+        let corners = self.triangles.iter_mut().flat_map(|t| t.corners.iter_mut().flatten());
+        corners.for_each(|x| *x = *x / step * step);
+        self
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> Scene {
+        let mut scene = tiny::empty();
+        scene.materials[0].unlit = true;
+        scene.materials.push(Material {
+            name: "blended".into(),
+            metallic: 0.0,
+            alpha_mode: AlphaMode::Blend,
+            double_sided: true,
+            unlit: true,
+            ..Material::default()
+        });
+        let at = |[x, y]: [i64; 2], depth| Vec3::new(x as f32 / GRID as f32, y as f32 / GRID as f32, depth);
+        for object in self.triangles.chunks(self.per_object) {
+            let corners: Vec<_> =
+                object.iter().map(|t| [0, 1, 2].map(|corner| at(t.corners[corner], t.depth[corner]))).collect();
+            let mut primitive = tiny::triangles(&corners, 1);
+            let colors = object.iter().flat_map(|t| [Vec4::from(t.color); 3]);
+            primitive.colors = colors.collect();
+            tiny::add(&mut scene, primitive, Mat4::IDENTITY);
+        }
+        let [width, height] = self.size.map(|side| side as f32);
+        let corner = Vec3::new(0.0, 0.0, OPAQUE);
+        // Double-sided, as the view turns y around.
+        scene.materials[0].double_sided = true;
+        tiny::add(&mut scene, tiny::quad(corner, Vec3::X * width / 2.0, Vec3::Y * height, 0), Mat4::IDENTITY);
+        scene.name = self.name.clone();
+        scene
+    }
+
+    /// World space is the picture: pixels and depth.
+    pub fn view(&self) -> View {
+        let [width, height] = self.size.map(|side| side as f32);
+        let clip_from_view = Mat4::from_cols(
+            Vec4::new(2.0 / width, 0.0, 0.0, 0.0),
+            Vec4::new(0.0, 2.0 / height, 0.0, 0.0),
+            Vec4::new(0.0, 0.0, 1.0, 0.0),
+            Vec4::new(-1.0, -1.0, 0.0, 1.0),
+        );
+        View { size: self.size, world_from_view: Mat4::IDENTITY, view_from_world: Mat4::IDENTITY, clip_from_view }
+    }
+
+    /// What the twin has in each pixel, sorted: all that is before the opaque rectangle.
+    pub fn fragments(&self) -> Vec<Vec<Fragment>> {
+        let triangle = |(key, t): (usize, &Flat)| {
+            let [r, g, b, a] = t.color.map(f64::from);
+            layers::Triangle {
+                corners: t.corners,
+                depth: t.depth.map(f64::from),
+                color: DVec4::new(r * a, g * a, b * a, a),
+                key: key as u32,
+            }
+        };
+        let triangles: Vec<_> = self.triangles.iter().enumerate().map(triangle).collect();
+        let mut pixels = layers::rasterise(self.size, &triangles);
+        for (i, fragments) in pixels.iter_mut().enumerate() {
+            let opaque = self.opaque_at(i);
+            fragments.retain(|fragment| fragment.depth > opaque);
+            layers::sort(fragments);
+        }
+        pixels
+    }
+
+    /// Opaque depth at a pixel.
+    pub fn opaque_at(&self, pixel: usize) -> f64 {
+        if (pixel as u32 % self.size[0]) < self.size[0] / 2 { f64::from(OPAQUE) } else { 0.0 }
+    }
+}
+
+/// Two triangles; depths at the upper left, upper right, lower left and lower right corner.
+pub fn rectangle([left, top]: [i64; 2], [right, bottom]: [i64; 2], d: [f32; 4], color: [f32; 4]) -> [Flat; 2] {
+    let upper = Flat { corners: [[left, top], [right, top], [left, bottom]], depth: [d[0], d[1], d[2]], color };
+    let lower = Flat { corners: [[right, top], [right, bottom], [left, bottom]], depth: [d[1], d[3], d[2]], color };
+    [upper, lower]
+}
+
+/// A soup on the device.
+pub struct Kitchen<'g> {
+    executor: Executor<'g>,
+    gpu: &'g Gpu,
+    /// The scene.
+    pub scene: GpuScene,
+    view: View,
+}
+
+impl<'g> Kitchen<'g> {
+    /// Uploads a soup.
+    pub fn new(gpu: &'g Gpu, soup: &Soup) -> Self {
+        let scene = soup.scene().upload(gpu).unwrap_or_else(|error| panic!("{}: {error}", soup.name));
+        Self { executor: Executor::new(gpu), gpu, scene, view: soup.view() }
+    }
+
+    /// Changes the order of the draws.
+    pub fn reorder(&mut self, change: impl FnOnce(&mut Vec<Draw>)) {
+        let mut draws = self.scene.draws.draws().to_vec();
+        change(&mut draws);
+        self.scene.draws = DrawList::new(draws, Vec::new());
+    }
+
+    /// Runs the A-buffer over it.
+    pub fn run(&mut self, abuffer: ABuffer, pull_vertices: bool) -> shadowgraph::Result<Found> {
+        let lights: blocks::Lights = light_block(&[], &[]);
+        let lights = ForwardLights {
+            lights: &lights,
+            cascades: None,
+            spots: None,
+            sampler: map_sampler(),
+            environment: Vec3::ZERO,
+        };
+        let mut graph = Graph::new("soup", self.gpu.caps());
+        let depth = DepthPrepass.record(&mut graph, &self.scene, &self.view);
+        let shape = ImageShape::new_2d(ash::vk::Format::R32G32B32A32_SFLOAT, self.view.size);
+        let color = graph.image("color", shape);
+        let color = graph.clear("background", color, ash::vk::ClearColorValue { float32: BACKGROUND });
+        let mut blended = Blended::new(&graph, &self.scene, self.view, &lights);
+        blended.pull_vertices |= pull_vertices;
+        let Composited { color, count, front, report, totals, counter } =
+            abuffer.record(&mut graph, &self.view, &depth, &blended, color);
+        graph.capture("color", &color);
+        graph.capture("count", &count);
+        graph.capture("front", &front);
+        graph.capture("report", &report);
+        let plan = graph.compile(self.gpu).map_err(shadowgraph::Error::from)?;
+        let executed = self.executor.execute(&plan, graph)?;
+        let total = totals.values()?[0].total;
+        Ok(Found {
+            color: texels(&executed, "color")?,
+            count: texels(&executed, "count")?,
+            front: texels(&executed, "front")?,
+            report: texels::<u32>(&executed, "report")?.try_into().unwrap_or([u32::MAX; 2]),
+            nodes: total.nodes,
+            longest: total.longest,
+            counter: counter.map(|counter| counter.values().map(|values| values[0])).transpose()?,
+            samples: executed.samples("abuffer.samples").ok(),
+        })
+    }
+}
+
+fn texels<T: bytemuck::Pod>(executed: &Executed, name: &str) -> shadowgraph::Result<Vec<T>> {
+    executed.capture(name)?.texels()
+}

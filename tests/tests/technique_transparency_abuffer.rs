@@ -1,0 +1,316 @@
+//! The A-buffer against a twin that rasterises by Vulkan's rules and composites in double precision.
+#![allow(missing_docs, clippy::unwrap_used)]
+
+use glam::{DVec4, Mat4, Vec3};
+use shadowgraph::capture::auto_exposure;
+use shadowgraph::frame::Transparency;
+use shadowgraph::gpu::Feature;
+use shadowgraph::techniques::transparency::abuffer::{ABuffer, Build, NodeFormat, Sizing};
+use shadowgraph_tests::compare::Comparison;
+use shadowgraph_tests::device::{shared, silent};
+use shadowgraph_tests::exr_file::Part;
+use shadowgraph_tests::figures::{self, Check, Figure, Picture};
+use shadowgraph_tests::panes::{capture, compare, panes};
+use shadowgraph_tests::render::{Subject, only};
+use shadowgraph_tests::soup::{BACKGROUND, Found, Kitchen, Random, Soup};
+use shadowgraph_tests::twin::layers::{Fragment, close_call, composite};
+
+const LISTS: ABuffer =
+    ABuffer { build: Build::Lists(Sizing::Counted), format: NodeFormat::Compact, exponent: 0, memory: u64::MAX };
+const ARRAYS: ABuffer = ABuffer { build: Build::Arrays, ..LISTS };
+
+/// How near in depth two fragments may be before rounding may decide.
+const DEPTH_MARGIN: f64 = 1e-6;
+
+fn soups() -> Vec<Soup> {
+    vec![
+        Soup::random(1, [64, 64], 6, 0),
+        Soup::random(2, [64, 32], 60, 0),
+        Soup::random(3, [32, 32], 40, 30),
+        Soup::random(4, [16, 16], 10, 512),
+        Soup::interpenetrating([32, 32], 12),
+        Soup::coplanar([64, 64], 21),
+    ]
+}
+
+/// Whether the fragments are all that a device must have, whatever it rounds.
+fn sure(soup: &Soup, pixel: usize, all: &[Fragment]) -> bool {
+    let opaque = soup.opaque_at(pixel);
+    all.iter().all(|f| (f.depth - opaque).abs() > DEPTH_MARGIN)
+}
+
+/// Layers of each pixel, exactly.
+fn counts(soup: &Soup, found: &Found) -> Check {
+    let mut comparison = Comparison::new(format!("{}: layers", soup.name), soup.size, 0.0);
+    for (i, expected) in soup.fragments().iter().enumerate() {
+        match sure(soup, i, expected) {
+            true => comparison.error(i, f64::from(found.count[i]) - expected.len() as f64),
+            false => comparison.leave_out(i, "near the opaque depth"),
+        }
+    }
+    Check::new(comparison, 1.0, 0.01)
+}
+
+/// Colour and alpha of each pixel: the largest difference of a component.
+fn colors(soup: &Soup, found: &Found, tolerance: f64, format: &str) -> Check {
+    let mut comparison = Comparison::new(format!("{}: {format} color", soup.name), soup.size, tolerance);
+    for (i, sorted) in soup.fragments().iter().enumerate() {
+        if !sure(soup, i, sorted) || close_call(sorted, DEPTH_MARGIN) {
+            comparison.leave_out(i, "near in depth");
+            continue;
+        }
+        let expected = composite(sorted, DVec4::from(BACKGROUND.map(f64::from)));
+        let found = DVec4::from(found.color[i].map(f64::from));
+        comparison.error(i, (found - expected).abs().max_element());
+    }
+    Check::new(comparison, 1.0, 0.1)
+}
+
+/// What must hold of every run.
+fn sound(found: &Found) {
+    let sum: f64 = found.count.iter().map(|&count| f64::from(count)).sum();
+    assert_eq!(sum, f64::from(found.nodes), "sum of the pixels' layers and nodes");
+    assert_eq!(found.count.iter().fold(0.0f32, |a, &b| a.max(b)), found.longest as f32);
+    assert_eq!(found.report, [0, 0]);
+    assert!(found.counter.is_none_or(|counter| counter == found.nodes), "{found:?}");
+    assert!(found.samples.is_none_or(|samples| samples == u64::from(found.nodes)), "{found:?}");
+}
+
+#[test]
+fn transparency_abuffer_agrees_with_its_reference() {
+    let mut rows = Vec::new();
+    for soup in soups() {
+        let mut kitchen = Kitchen::new(shared(), &soup);
+        let found = kitchen.run(ARRAYS, false).unwrap();
+        sound(&found);
+        rows.push(counts(&soup, &found).demand());
+        rows.push(colors(&soup, &found, 4e-3, "RGB9E5").demand());
+        // Linked lists give the same bytes, and their counter and the occlusion query say the same.
+        let lists = kitchen.run(LISTS, false).unwrap();
+        sound(&lists);
+        assert!(lists.counter.is_some() && lists.samples.is_some());
+        assert!(lists.color == found.color && lists.count == found.count, "{}: lists differ", soup.name);
+    }
+    let soup = Soup::random(5, [32, 32], 40, 30).with_any_alpha();
+    let mut kitchen = Kitchen::new(shared(), &soup);
+    for (format, tolerance, name) in [(NodeFormat::Half, 2e-3, "half"), (NodeFormat::Float, 1e-5, "float")] {
+        let arrays = kitchen.run(ABuffer { format, ..ARRAYS }, false).unwrap();
+        let lists = kitchen.run(ABuffer { format, ..LISTS }, false).unwrap();
+        sound(&arrays);
+        sound(&lists);
+        assert!(arrays.color == lists.color, "{name}: lists differ");
+        rows.push(colors(&soup, &arrays, tolerance, name).demand());
+    }
+    // So many layers that runs are merged across invocations; the farthest still count.
+    let soup = Soup::random(10, [8, 8], 0, 5000).in_objects_of(100).thin(0.001);
+    let mut kitchen = Kitchen::new(shared(), &soup);
+    let arrays = kitchen.run(ABuffer { format: NodeFormat::Float, ..ARRAYS }, false).unwrap();
+    let lists = kitchen.run(ABuffer { format: NodeFormat::Float, ..LISTS }, false).unwrap();
+    sound(&arrays);
+    assert!(arrays.longest > 4096 && arrays.color == lists.color);
+    rows.push(counts(&soup, &arrays).demand());
+    rows.push(colors(&soup, &arrays, 1e-5, "float").demand());
+    // glTF's materials, lit and shadowed: panes in an order that is right only pixel by pixel.
+    for subject in [panes(true), panes(false), crossing()] {
+        rows.push(compare(&subject, &layers(&subject, Transparency::ABuffer)).demand());
+    }
+    // The scene is one that no order of objects gets right.
+    assert!(compare(&crossing(), &layers(&crossing(), Transparency::Sorted)).fails());
+    silent(shared());
+    publish(&rows);
+}
+
+/// Two panes that cut through each other among the others, of one object each.
+fn crossing() -> Subject {
+    panes(false).changed(|subject| {
+        for (object, turn) in [(0, 0.9), (2, -0.7)] {
+            let place = &mut subject.scene.objects[object].world_from_object;
+            *place = Mat4::from_translation(Vec3::new(0.1, 0.0, 0.3)) * Mat4::from_rotation_y(turn);
+        }
+        subject.name = "panes through each other, lit".into();
+        subject.scene.name = subject.name.clone();
+    })
+}
+
+fn layers(subject: &Subject, transparency: Transparency) -> Part {
+    let wanted = only(&["color"]);
+    capture(shared(), subject, |settings| {
+        wanted(settings);
+        settings.transparency = transparency;
+    })
+}
+
+fn publish(rows: &[Figure]) {
+    let shown = crossing().changed(|s| s.size = [480, 270]);
+    let colors = layers(&shown, Transparency::ABuffer).vectors("", ["R", "G", "B"]);
+    let pixels: Vec<[f32; 3]> = colors.iter().map(|c| c.as_vec3().to_array()).collect();
+    let rgba: Vec<_> = pixels.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
+    let caption = "Two of four panes go through each other, before a wall".into();
+    let picture = Picture { size: shown.size, exposure: auto_exposure(&rgba), pixels, caption };
+    figures::publish(shared(), "transparency", "abuffer", rows, Some(&picture));
+}
+
+#[test]
+fn portable_transparency_abuffer_loses_no_layer() {
+    let bits = shared().caps().limits.sub_pixel_bits;
+    for soup in [Soup::random(2, [64, 32], 60, 0), Soup::random(3, [32, 32], 40, 30)] {
+        let soup = soup.on_grid(bits);
+        let mut kitchen = Kitchen::new(shared(), &soup);
+        let arrays = kitchen.run(ARRAYS, false).unwrap();
+        sound(&arrays);
+        counts(&soup, &arrays).demand();
+        colors(&soup, &arrays, 4e-3, "RGB9E5").demand();
+        let pulled = kitchen.run(ARRAYS, true).unwrap();
+        assert!(pulled == arrays, "{}: vertices pulled by hand", soup.name);
+        if shared().caps().has(Feature::OcclusionQueryPrecise) {
+            let lists = kitchen.run(LISTS, false).unwrap();
+            sound(&lists);
+            assert!(lists.color == arrays.color, "{}: lists differ", soup.name);
+        }
+    }
+    silent(shared());
+}
+
+/// Every order of draws, and every run, gives the same bytes: equal depths too.
+#[test]
+fn transparency_abuffer_does_not_depend_on_the_order_of_draws() {
+    let mut random = Random::new(3);
+    for soup in [Soup::coplanar([64, 64], 21), Soup::random(6, [32, 32], 120, 12)] {
+        let mut kitchen = Kitchen::new(shared(), &soup);
+        let first = kitchen.run(ARRAYS, false).unwrap();
+        for run in 0..24 {
+            // The triangles' numbers come from the index buffer here, so draws of parts of an object keep them.
+            kitchen.reorder(|draws| {
+                random.shuffle(draws);
+                draws.sort_by_key(|draw| draw.class);
+            });
+            let (arrays, lists) =
+                (kitchen.run(ARRAYS, run % 2 == 1).unwrap(), kitchen.run(LISTS, run % 2 == 0).unwrap());
+            assert!(arrays == first, "{}: run {run} differs", soup.name);
+            assert!(lists.color == first.color && lists.count == first.count, "{}: lists of run {run}", soup.name);
+        }
+        // Draws of single triangles, in any order over all objects.
+        kitchen.reorder(|draws| {
+            let blended = draws.iter().filter(|draw| draw.class == shadowgraph::scene::DrawClass::Blend);
+            let opaque = draws.iter().filter(|draw| draw.class != shadowgraph::scene::DrawClass::Blend).cloned();
+            let mut single: Vec<_> = blended
+                .flat_map(|draw| {
+                    let starts = draw.indices.clone().step_by(3);
+                    starts.map(|at| shadowgraph::scene::Draw { indices: at..at + 3, ..draw.clone() })
+                })
+                .collect();
+            random.shuffle(&mut single);
+            *draws = opaque.chain(single).collect();
+        });
+        assert!(kitchen.run(ARRAYS, true).unwrap() == first, "{}: single triangles", soup.name);
+    }
+    silent(shared());
+}
+
+/// Too small a guess is found, told exactly, and made good in the same frame.
+#[test]
+fn transparency_abuffer_with_too_few_nodes_is_built_again() {
+    let soup = Soup::random(8, [16, 16], 3, 1);
+    let mut kitchen = Kitchen::new(shared(), &soup);
+    let whole = kitchen.run(LISTS, false).unwrap();
+    let capacities: Vec<u32> = match whole.nodes {
+        n if n > 400 => (0..24).chain((24..n - 24).step_by(37)).chain(n - 24..=n + 1).collect(),
+        n => (0..=n + 1).collect(),
+    };
+    for &capacity in &capacities {
+        let build = Build::Lists(Sizing::Guessed(capacity));
+        let found = kitchen.run(ABuffer { build, ..LISTS }, false).unwrap();
+        assert_eq!(found.counter, Some(whole.nodes), "capacity {capacity}");
+        assert!(found.color == whole.color && found.count == whole.count, "capacity {capacity}");
+    }
+    println!("{} capacities up to {}", capacities.len(), whole.nodes + 1);
+    silent(shared());
+}
+
+/// Without room for all fragments the frame fails and says how much is needed; with just as much it is whole.
+#[test]
+fn transparency_abuffer_without_memory_says_how_much_it_needs() {
+    let mut kitchen = Kitchen::new(shared(), &Soup::random(8, [16, 16], 3, 1));
+    for build in [ARRAYS, LISTS, ABuffer { build: Build::Lists(Sizing::Guessed(u32::MAX)), ..LISTS }] {
+        let whole = kitchen.run(ABuffer { memory: 1 << 20, ..build }, false).unwrap();
+        let nodes = whole.counter.unwrap_or(whole.nodes);
+        let needed = 16 * u64::from(nodes);
+        let said = kitchen.run(ABuffer { memory: needed - 1, ..build }, false).unwrap_err().to_string();
+        let expected = format!("{nodes} fragments need {needed} bytes; there may be {}", needed - 16);
+        assert!(said.contains(&expected), "{said}");
+        let enough = kitchen.run(ABuffer { memory: needed, ..build }, false).unwrap();
+        assert!(enough.color == whole.color);
+    }
+    // More than the device has at once: 40 layers of 2048×2048.
+    let soup = Soup::random(14, [2048, 2048], 0, 40);
+    let said = Kitchen::new(shared(), &soup).run(ARRAYS, false).unwrap_err().to_string();
+    assert!(said.contains("fragments need 2"), "{said}");
+    silent(shared());
+}
+
+/// Colours beyond what a format holds are counted, and a larger unit holds them.
+#[test]
+fn transparency_abuffer_counts_what_it_clamps() {
+    let mut soup = Soup::random(12, [16, 16], 0, 3);
+    soup.triangles.iter_mut().for_each(|triangle| triangle.color = [9e4, 1.0, 1.0, 1.0]);
+    let mut kitchen = Kitchen::new(shared(), &soup);
+    let covered = soup.fragments().iter().filter(|fragments| !fragments.is_empty()).count() as u32;
+    for build in [ARRAYS, LISTS] {
+        for format in [NodeFormat::Compact, NodeFormat::Half] {
+            let found = kitchen.run(ABuffer { format, ..build }, false).unwrap();
+            assert_eq!(found.report, [0, covered], "{format:?}");
+            let found = kitchen.run(ABuffer { format, exponent: 1, ..build }, false).unwrap();
+            assert_eq!(found.report, [0, 0], "{format:?}");
+        }
+        let found = kitchen.run(ABuffer { format: NodeFormat::Float, ..build }, false).unwrap();
+        assert_eq!(found.report, [0, 0]);
+    }
+    silent(shared());
+}
+
+/// The nearest layer is where the twin has it.
+#[test]
+fn transparency_abuffer_knows_the_nearest_layer() {
+    for soup in [Soup::interpenetrating([32, 32], 12), Soup::random(4, [16, 16], 0, 64)] {
+        let found = Kitchen::new(shared(), &soup).run(ARRAYS, false).unwrap();
+        let mut comparison = Comparison::new(format!("{}: nearest", soup.name), soup.size, 1e-6);
+        for (i, sorted) in soup.fragments().iter().enumerate() {
+            // World space is the picture here: distance along the view axis is depth, turned around.
+            let expected = sorted.first().map_or(f64::INFINITY, |fragment| -fragment.depth);
+            let found = f64::from(found.front[i]);
+            comparison.error(i, if found == expected { 0.0 } else { found - expected });
+        }
+        Check::new(comparison, 1.0, 0.0).demand();
+    }
+    silent(shared());
+}
+
+#[test]
+fn transparency_abuffer_with_a_seeded_mistake_is_caught() {
+    let soup = Soup::random(1, [64, 64], 6, 0);
+    let fails = |mistaken: &Soup| {
+        let found = Kitchen::new(shared(), mistaken).run(ARRAYS, false).unwrap();
+        (counts(&soup, &found).fails(), colors(&soup, &found, 4e-3, "RGB9E5").fails())
+    };
+    assert_eq!(fails(&soup), (false, false));
+    let changed = |change: fn(&mut Soup)| {
+        let mut soup = soup.clone();
+        change(&mut soup);
+        soup
+    };
+    // A triangle less; two in the other order; a layer a little denser; a vertex moved by a pixel.
+    assert_eq!(fails(&changed(|s| s.triangles.truncate(5))), (true, true));
+    assert_eq!(fails(&changed(|s| s.triangles[4].depth = s.triangles[4].depth.map(|z| 1.0 - z))), (true, true));
+    assert_eq!(
+        fails(&changed(|s| s.triangles.iter_mut().for_each(|t| t.color[3] = (t.color[3] - 0.02).abs()))),
+        (false, true)
+    );
+    assert_eq!(fails(&changed(|s| s.triangles[1].corners[0][0] ^= 256)), (true, true));
+    // Ties the other way around: only the order of equal depths changes.
+    let stack = Soup::coplanar([64, 64], 21);
+    let mut turned = stack.clone();
+    turned.triangles.reverse();
+    let found = Kitchen::new(shared(), &turned).run(ARRAYS, false).unwrap();
+    assert!(!counts(&stack, &found).fails() && colors(&stack, &found, 4e-3, "RGB9E5").fails());
+    silent(shared());
+}
