@@ -128,7 +128,7 @@ impl<'f> Graph<'f> {
     pub fn image_after<T: bytemuck::Pod>(
         &mut self,
         checkpoint: &Checkpoint<T>,
-        name: impl Into<String>,
+        name: impl Into<super::Name>,
         format: ash::vk::Format,
         size: impl FnOnce(&[T]) -> Result<[u32; 2]> + 'f,
     ) -> ImageHandle {
