@@ -70,7 +70,6 @@ impl FrameSettings {
 }
 
 /// What a recorded frame will leave.
-#[derive(Clone)]
 pub struct Frame {
     /// Captured layers.
     pub layers: Vec<Layer>,

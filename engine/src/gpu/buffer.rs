@@ -6,8 +6,7 @@ use std::sync::{Arc, PoisonError, RwLock};
 use ash::vk;
 
 use super::device::{Device, Garbage, RawBuffer};
-use super::prefault::prefault;
-use super::{DeviceKind, Gpu, Heap, Memory};
+use super::{Gpu, Heap, Memory};
 use crate::{Error, Result};
 
 /// What buffer to make.
@@ -162,15 +161,6 @@ impl Buffer {
         let Some(first) = mapped.as_ref() else { return Err(self.not_mapped()) };
         // SAFETY: the buffer's own bytes, mapped; the lock keeps those who write away.
         Ok(look(unsafe { std::slice::from_raw_parts(first.0.as_ptr(), self.0.size as usize) }))
-    }
-
-    /// Makes ready the pages that a software device is about to write, while it does something else.
-    pub(crate) fn prefault(&self) {
-        let mapped = self.0.mapped.read().unwrap_or_else(PoisonError::into_inner);
-        if let Some(first) = mapped.as_ref().filter(|_| self.0.device.caps.kind == DeviceKind::Cpu) {
-            // SAFETY: the buffer's own memory, mapped as long as it.
-            unsafe { prefault(first.0, self.0.size as usize) };
-        }
     }
 
     pub(super) fn is_of(&self, device: &Arc<Device>) -> bool {

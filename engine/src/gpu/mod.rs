@@ -34,7 +34,6 @@ mod pipeline_cache;
 mod pipeline_checks;
 mod pipeline_info;
 mod pipeline_state;
-mod prefault;
 mod query;
 mod sampler;
 mod select;

@@ -8,9 +8,9 @@ use std::time::Instant;
 use shadowgraph::capture::{
     CapturedFrame, ExrOptions, FrameCapture, PngOptions, auto_exposure, picture, write_exr, write_png,
 };
-use shadowgraph::frame::{Frame, Selection};
+use shadowgraph::frame::Selection;
 use shadowgraph::gpu::Gpu;
-use shadowgraph::graph::{Executed, Executor, Graph};
+use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::{Camera, GpuScene};
 
 use crate::cli::CaptureArguments;
@@ -87,16 +87,22 @@ fn render_and_write(
     executor.serialize(arguments.debug.serialize);
     let change = |graph: &mut Graph| debug::prepare(&arguments.debug, graph);
     let once = || session::render(&mut executor, gpu, scene, &settings, change);
-    let (frame, executed) =
+    let (mut frame, executed) =
         if arguments.phases { render_twice(once, phases)? } else { phases.time("rendering", once)? };
     for warning in &frame.warnings {
         log::warn!("{}: {warning}", arguments.frame.scene);
     }
-    // 2. Write it: the picture on a thread of its own, for a PNG is encoded on one.
-    let captured = phases.time("read-back", || -> Result<_> {
-        if arguments.output.is_none() {
-            return Ok(None);
-        }
+    // 2. Write it.
+    let mut told = Vec::new();
+    if let Some(path) = &arguments.png {
+        let pixels = phases.time("read-back", || picture(&frame, &executed))?;
+        phases.time("writing", || {
+            let options = PngOptions { exposure: auto_exposure(&pixels), ..PngOptions::default() };
+            write_png(path, arguments.frame.size.0, &pixels, &options)
+        })?;
+    }
+    if let Some(path) = &arguments.output {
+        frame.layers.retain(|layer| wanted.layers.wants(&layer.name));
         let recipe = Recipe::new(&arguments.frame, camera, &wanted);
         let description = FrameCapture {
             scene,
@@ -108,35 +114,18 @@ fn render_and_write(
             exposure: 1.0,
             reproducible: arguments.reproducible,
         };
-        let mut frame = frame.clone();
-        frame.layers.retain(|layer| wanted.layers.wants(&layer.name));
-        Ok(Some(description.collect(&frame, &executed)?))
-    })?;
-    let size = arguments.frame.size.0;
-    let mut told = Vec::new();
-    phases.time("writing", || {
-        thread::scope(|scope| {
-            let picture = arguments.png.as_ref().map(|path| scope.spawn(|| draw(path, size, &frame, &executed)));
-            if let (Some(path), Some(captured)) = (&arguments.output, &captured) {
-                write_exr(path, &captured.capture, &ExrOptions { compression: arguments.compression })?;
-                warn_of_losses(captured);
-                told.push(summary(path, captured)?);
-            }
-            picture.map_or(Ok(()), |thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-        })
-    })?;
+        let captured = phases.time("read-back", || description.collect(&frame, &executed))?;
+        phases.time("writing", || {
+            write_exr(path, &captured.capture, &ExrOptions { compression: arguments.compression })
+        })?;
+        warn_of_losses(&captured);
+        told.push(summary(path, &captured)?);
+    }
     told.extend(arguments.png.iter().map(|path| format!("wrote {}", path.display())));
     if let Some(path) = arguments.output.as_ref().or(arguments.png.as_ref()) {
         told.extend(phases.time("writing", || debug::write(&arguments.debug, &executed, path))?);
     }
     Ok(told)
-}
-
-/// Writes what a person looks at.
-fn draw(path: &Path, size: [u32; 2], frame: &Frame, executed: &Executed) -> Result<()> {
-    let pixels = picture(frame, executed)?;
-    let options = PngOptions { exposure: auto_exposure(&pixels), ..PngOptions::default() };
-    Ok(write_png(path, size, &pixels, &options)?)
 }
 
 /// The driver compiles shaders at their first draw: what the first frame takes more than the second.

@@ -33,11 +33,6 @@ impl Capture {
         Ok(Self { name: root.name.clone(), shape, buffer, mips, layer_sizes })
     }
 
-    /// Readies memory for the copy, once the frame is submitted.
-    pub(super) fn prefault(&self) {
-        self.buffer.prefault();
-    }
-
     /// Looks at all bytes: mips one after the other, in each its layers, rows from the top, tightly packed.
     ///
     /// # Errors

@@ -365,7 +365,6 @@ impl<'g> Executor<'g> {
         let recording = start.elapsed();
         let submitted = Instant::now();
         let token = self.gpu.submit(commands)?;
-        captures.iter().flatten().for_each(Capture::prefault);
         self.gpu.wait(token)?;
         let running = submitted.elapsed();
         let name = |step: &Task| match step {
