@@ -1,12 +1,41 @@
 //! Solids to voxelize, and a picture of their voxels.
 
 use glam::{EulerRot, Mat4, Quat, Vec3};
+use shadowgraph::Result;
 use shadowgraph::geometry::Aabb;
-use shadowgraph::scene::{Primitive, Scene};
-use shadowgraph::techniques::voxel::Voxels;
+use shadowgraph::gpu::Gpu;
+use shadowgraph::graph::{Executor, Graph};
+use shadowgraph::scene::{GpuScene, Primitive, Scene};
+use shadowgraph::techniques::voxel::{Grid, VoxelBits, Voxels};
 
 use crate::figures::Picture;
 use crate::{harness, tiny};
+
+/// The voxels that a technique finds.
+pub fn voxelize(
+    gpu: &Gpu,
+    scene: &Scene,
+    grid: &Grid,
+    record: impl for<'f> FnOnce(&mut Graph<'f>, &'f GpuScene) -> Result<VoxelBits>,
+) -> Voxels {
+    let find = || -> Result<Voxels> {
+        let scene = scene.clone().upload(gpu)?;
+        let mut graph = Graph::new("voxelize", gpu.caps());
+        let VoxelBits { bits, axis, .. } = record(&mut graph, &scene)?;
+        graph.capture("bits", &bits);
+        let plan = graph.compile(gpu)?;
+        let executed = Executor::new(gpu).execute(&plan, graph)?;
+        Voxels::read(executed.capture("bits")?, grid, axis)
+    };
+    find().unwrap_or_else(|error| panic!("{}: {error}", scene.name))
+}
+
+/// Voxels that must be set and are not, that are set and must not be, and that are set; `[z][y][x]`.
+pub fn mistakes(voxels: &Voxels, must: &[bool], may: &[bool]) -> [usize; 3] {
+    let bytes = voxels.bytes();
+    let count = |wrong: &dyn Fn(usize) -> bool| (0..bytes.len()).filter(|&i| wrong(i)).count();
+    [count(&|i| must[i] && bytes[i] == 0), count(&|i| !may[i] && bytes[i] == 1), count(&|i| bytes[i] == 1)]
+}
 
 /// World-space bounds of all vertices.
 pub fn bounds(scene: &Scene) -> Aabb {

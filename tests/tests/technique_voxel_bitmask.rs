@@ -3,27 +3,20 @@
 
 use glam::{DVec3, Mat4, Vec3};
 use shadowgraph::gpu::Gpu;
-use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::{Primitive, Scene};
 use shadowgraph::techniques::voxel::bitmask::{Bitmask, Combine};
 use shadowgraph::techniques::voxel::{Axis, Grid, Voxels};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure};
 use shadowgraph_tests::harness;
-use shadowgraph_tests::solids::{awkward, bounds, front, one, soup, torus};
+use shadowgraph_tests::solids::{self, awkward, bounds, front, one, soup, torus};
 use shadowgraph_tests::{tiny, twin};
 
 /// What a rasteriser may do to a surface: it snaps vertices to 1/256 of a pixel.
 const NEAR: f64 = 1.0 / 128.0;
 
 fn voxelize(gpu: &Gpu, scene: &Scene, grid: &Grid, technique: Bitmask) -> Voxels {
-    let scene = scene.clone().upload(gpu).unwrap();
-    let mut graph = Graph::new("voxelize", gpu.caps());
-    let voxels = technique.record(&mut graph, &scene, grid).unwrap();
-    graph.capture("bits", &voxels.bits);
-    let plan = graph.compile(gpu).unwrap();
-    let executed = Executor::new(gpu).execute(&plan, graph).unwrap();
-    Voxels::read(executed.capture("bits").unwrap(), grid, voxels.axis).unwrap()
+    solids::voxelize(gpu, scene, grid, |graph, scene| technique.record(graph, scene, grid))
 }
 
 /// Voxels that agree, that differ where the surface is at most [`NEAR`], and that differ elsewhere.

@@ -3,27 +3,20 @@
 
 use glam::{Mat4, Vec3};
 use shadowgraph::gpu::Gpu;
-use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::Scene;
 use shadowgraph::techniques::voxel::conservative::Conservative;
 use shadowgraph::techniques::voxel::{Axis, Grid, Voxels};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure};
 use shadowgraph_tests::harness;
-use shadowgraph_tests::solids::{awkward, bounds, front, one, soup, surfaces, torus};
+use shadowgraph_tests::solids::{self, awkward, bounds, front, one, soup, surfaces, torus};
 use shadowgraph_tests::{tiny, twin};
 
 /// How far beyond ε a voxel may be from the triangle that set it, in voxels.
 const FAR: f64 = 1e-4;
 
 fn voxelize(gpu: &Gpu, scene: &Scene, grid: &Grid, axis: Axis) -> Voxels {
-    let scene = scene.clone().upload(gpu).unwrap();
-    let mut graph = Graph::new("voxelize", gpu.caps());
-    let voxels = Conservative { axis }.record(&mut graph, &scene, grid).unwrap();
-    graph.capture("bits", &voxels.bits);
-    let plan = graph.compile(gpu).unwrap();
-    let executed = Executor::new(gpu).execute(&plan, graph).unwrap();
-    Voxels::read(executed.capture("bits").unwrap(), grid, axis).unwrap()
+    solids::voxelize(gpu, scene, grid, |graph, scene| Conservative { axis }.record(graph, scene, grid))
 }
 
 /// Voxels that are touched and not set; that are set and further than ε and [`FAR`] from every triangle; that are set.
@@ -37,9 +30,7 @@ fn compare(voxels: &Voxels, truth: &Scene) -> [usize; 3] {
         })
     };
     let [least, most] = [0.0, margin + FAR].map(touched);
-    let bytes = voxels.bytes();
-    let count = |wrong: &dyn Fn(usize) -> bool| (0..bytes.len()).filter(|&i| wrong(i)).count();
-    [count(&|i| least[i] && bytes[i] == 0), count(&|i| !most[i] && bytes[i] == 1), count(&|i| bytes[i] == 1)]
+    solids::mistakes(voxels, &least, &most)
 }
 
 #[test]

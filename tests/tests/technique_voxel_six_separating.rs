@@ -3,31 +3,24 @@
 
 use glam::{Mat4, Vec3};
 use shadowgraph::gpu::Gpu;
-use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::Scene;
 use shadowgraph::techniques::voxel::conservative::Conservative;
 use shadowgraph::techniques::voxel::six_separating::SixSeparating;
-use shadowgraph::techniques::voxel::{Axis, Grid, VoxelBits, Voxels};
+use shadowgraph::techniques::voxel::{Axis, Grid, Voxels};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure};
 use shadowgraph_tests::harness;
-use shadowgraph_tests::solids::{awkward, bounds, front, one, surfaces, torus};
+use shadowgraph_tests::solids::{self, awkward, bounds, front, one, surfaces, torus};
 use shadowgraph_tests::{tiny, twin};
 
 /// How near a condition may be to equality for either answer to be right, in voxels, beside rounding of coordinates.
 const TIE: f64 = 1e-4;
 
 fn voxelize(gpu: &Gpu, scene: &Scene, grid: &Grid, axis: Axis, thin: bool) -> Voxels {
-    let scene = scene.clone().upload(gpu).unwrap();
-    let mut graph = Graph::new("voxelize", gpu.caps());
-    let VoxelBits { bits, .. } = match thin {
-        true => SixSeparating { axis }.record(&mut graph, &scene, grid).unwrap(),
-        false => Conservative { axis }.record(&mut graph, &scene, grid).unwrap(),
-    };
-    graph.capture("bits", &bits);
-    let plan = graph.compile(gpu).unwrap();
-    let executed = Executor::new(gpu).execute(&plan, graph).unwrap();
-    Voxels::read(executed.capture("bits").unwrap(), grid, axis).unwrap()
+    solids::voxelize(gpu, scene, grid, |graph, scene| match thin {
+        true => SixSeparating { axis }.record(graph, scene, grid),
+        false => Conservative { axis }.record(graph, scene, grid),
+    })
 }
 
 /// Voxels that belong without doubt and are not set; that are set and do not belong without doubt; that are set.
@@ -39,9 +32,7 @@ fn compare(voxels: &Voxels, truth: &Scene) -> [usize; 3] {
         twin::voxel::surface(&triangles, grid.size(), |triangle, center| twin::voxel::is_thin(triangle, center, margin))
     };
     let [least, most] = [-tie, tie].map(thin);
-    let bytes = voxels.bytes();
-    let count = |wrong: &dyn Fn(usize) -> bool| (0..bytes.len()).filter(|&i| wrong(i)).count();
-    [count(&|i| least[i] && bytes[i] == 0), count(&|i| !most[i] && bytes[i] == 1), count(&|i| bytes[i] == 1)]
+    solids::mistakes(voxels, &least, &most)
 }
 
 #[test]
