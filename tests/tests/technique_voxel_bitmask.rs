@@ -58,7 +58,7 @@ fn voxel_bitmask_agrees_with_its_reference() {
     let gpu = shared();
     let mut rows = Vec::new();
     for scene in scenes() {
-        for (resolution, axis) in [(32, Axis::X), (64, Axis::Y), (128, Axis::Z)] {
+        for (resolution, axis) in [(32, Axis::X), (64, Axis::Y), (128, Axis::Z), (256, Axis::X)] {
             let grid = Grid::around(&bounds(&scene), resolution).unwrap();
             let [bit, masks, targets] = [Combine::Bit, Combine::Masks, Combine::LogicOp]
                 .map(|combine| voxelize(gpu, &scene, &grid, Bitmask { axis, combine }));
@@ -76,7 +76,7 @@ fn voxel_bitmask_agrees_with_its_reference() {
     for of_scene in rows.chunk_by(|a, b| a.0 == b.0) {
         let compared: usize = of_scene.iter().map(|row| row.1).sum();
         let near: usize = of_scene.iter().map(|row| row.2).sum();
-        let what = format!("{}: voxels at 32, 64, 128", of_scene[0].0);
+        let what = format!("{}: voxels at 32, 64, 128, 256", of_scene[0].0);
         let value = format!("0 of {compared} differ, {near} left out");
         figures.push(Figure { what, value, bound: "none differs; left out within 1/128 voxel of a surface".into() });
     }
@@ -91,27 +91,43 @@ fn voxel_bitmask_agrees_with_its_reference() {
     figures::publish(gpu, "voxel", "bitmask", &figures, picture.as_ref());
 }
 
-/// Error of the volume against the mesh's own, and how it falls with the resolution.
+/// Error of the volume against the mesh's own, and how it falls with the resolution: root mean squares over ways to turn
+/// the mesh, for one of them alone may be right by chance.
 fn volumes(gpu: &Gpu) -> Vec<Figure> {
+    const RESOLUTIONS: [u32; 4] = [64, 128, 256, 512];
+    const TURNS: u32 = 6;
     let of = |name: &str, primitive: Primitive| {
-        let scene = one(name, vec![(primitive, awkward())]);
-        let errors = [64_u32, 128, 256, 512].map(|resolution| {
+        let error = |resolution: u32, turn: u32| {
+            let turned = Mat4::from_rotation_x(0.47 * turn as f32) * awkward();
+            let scene = one(name, vec![(primitive.clone(), turned)]);
             let grid = Grid::around(&bounds(&scene), resolution).unwrap();
-            let triangles = twin::voxel::in_grid(&scene, &grid);
-            let volume = twin::voxel::volume(&triangles);
+            let volume = twin::voxel::volume(&twin::voxel::in_grid(&scene, &grid));
             let error = (voxelize(gpu, &scene, &grid, Bitmask::default()).count() as f64 / volume - 1.0).abs();
             assert!(error <= 1.5 / f64::from(resolution), "{name} at {resolution}: {error}");
             error
-        });
-        let worst = errors.iter().zip([64.0, 128.0, 256.0, 512.0]).map(|(error, n)| error * n).fold(0.0, f64::max);
-        println!("{name}: relative errors of the volume {errors:?}");
+        };
+        let mean_square = |n: u32| (0..TURNS).map(|turn| error(n, turn).powi(2)).sum::<f64>() / f64::from(TURNS);
+        let errors = RESOLUTIONS.map(|resolution| mean_square(resolution).sqrt());
+        let slope = slope(RESOLUTIONS.map(f64::from), errors);
+        println!("{name}: relative errors of the volume {errors:?}, slope {slope}");
+        assert!(slope <= -1.0, "{name}: {errors:?}");
+        let worst = errors.iter().zip(RESOLUTIONS).map(|(error, n)| error * f64::from(n)).fold(0.0, f64::max);
         Figure {
-            what: format!("{name}: volume at 64, 128, 256, 512"),
-            value: format!("relative error at most {worst:.4} / N"),
-            bound: "at most 1.5 / N".into(),
+            what: format!("{name}, turned {TURNS} ways: volume at 64, 128, 256, 512"),
+            value: format!("relative error at most {worst:.4} / N, slope {slope:.2} (logarithms)"),
+            bound: "at most 1.5 / N, slope at most -1".into(),
         }
     };
     vec![of("sphere of 16128 triangles", tiny::sphere(128, 64, 0)), of("torus of 16384 triangles", torus(128, 64))]
+}
+
+/// Of the line nearest to the points' logarithms.
+fn slope(x: [f64; 4], y: [f64; 4]) -> f64 {
+    let (x, y) = (x.map(f64::ln), y.map(f64::ln));
+    let mean = |values: [f64; 4]| values.iter().sum::<f64>() / 4.0;
+    let (middle, height) = (mean(x), mean(y));
+    let product: f64 = x.iter().zip(y).map(|(x, y)| (x - middle) * (y - height)).sum();
+    product / x.iter().map(|x| (x - middle).powi(2)).sum::<f64>()
 }
 
 #[test]
