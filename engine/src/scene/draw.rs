@@ -9,7 +9,8 @@ use glam::Vec3;
 use super::{AlphaMode, GpuScene};
 use crate::geometry::{Aabb, Frustum};
 use crate::gpu::{VertexAttribute, VertexBuffer};
-use crate::graph::Recorder;
+use crate::graph::{RasterPass, Recorder};
+use crate::shader::generated::surface::gbuffer::gbuffer_pulled_vert as pulled;
 
 /// What a material's alpha asks of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -178,24 +179,31 @@ impl GpuScene {
         }
     }
 
-    /// Records draws with the program made for their textures: program `i` of the pass samples `texture_sets[i]`.
-    pub fn draw_by_textures(
-        &self,
-        recorder: &mut Recorder,
-        texture_sets: &[u32],
-        draws: &[Draw],
-        mut record: impl FnMut(&mut Recorder, &[Draw]),
-    ) {
+    /// Records draws as a pass's first view sees them, with the program made for their textures: program `i` of the pass
+    /// samples `texture_sets[i]`. `pull`: its vertex shader pulls its vertices ([`GpuScene::bind_pulled`]).
+    pub fn draw_by_textures(&self, recorder: &mut Recorder, texture_sets: &[u32], draws: &[Draw], pull: bool) {
         for run in draws.chunk_by(|a, b| a.textures == b.textures) {
             let program = texture_sets.iter().position(|&set| set == run[0].textures);
             recorder.program(program.unwrap_or(0));
-            record(recorder, run);
+            recorder.push(&0u32);
+            match pull {
+                true => self.draw_pulled(recorder, Faces::Material, run),
+                false => self.draw(recorder, Faces::Material, run),
+            }
         }
     }
 
-    /// The same for programs whose vertex shader pulls its vertices: `gl_VertexIndex` is the place in the index
-    /// buffer.
-    pub fn draw_pulled(&self, recorder: &mut Recorder, faces: Faces, draws: &[Draw]) {
+    /// What a vertex shader of `common/surface_vertex.glsl` reads that pulls its vertices.
+    pub fn bind_pulled(&self, pass: &mut RasterPass) {
+        pass.constant(pulled::INDICES, &self.indices)
+            .constant(pulled::POSITIONS, &self.positions)
+            .constant(pulled::ALPHA_VERTICES, &self.alpha_attributes)
+            .constant(pulled::SHADING_VERTICES, &self.shading_attributes);
+    }
+
+    /// As [`GpuScene::draw`], for programs whose vertex shader pulls its vertices: `gl_VertexIndex` is the place in the
+    /// index buffer.
+    fn draw_pulled(&self, recorder: &mut Recorder, faces: Faces, draws: &[Draw]) {
         for draw in draws {
             self.state(recorder, faces, draw);
             recorder.draw(draw.indices.clone(), draw.instances.clone());

@@ -30,10 +30,9 @@ pub fn solid(triangles: &[[DVec3; 3]], size: [u32; 3]) -> Vec<bool> {
     let [nx, ny, nz] = size.map(|n| n as usize);
     let mut flips = vec![false; nx * ny * nz];
     for triangle in triangles {
+        // Centres at most as far out as the triangle.
         let rows = |axis: usize, n: usize| {
-            let values = triangle.map(|p| p[axis]);
-            let least = values.into_iter().fold(f64::INFINITY, f64::min) - 0.5;
-            let most = values.into_iter().fold(f64::NEG_INFINITY, f64::max) - 0.5;
+            let [least, most] = extent(triangle, axis).map(|value| value - 0.5);
             least.ceil().clamp(0.0, n as f64) as usize..(most.floor() + 1.0).clamp(0.0, n as f64) as usize
         };
         for z in rows(2, nz) {
@@ -57,6 +56,12 @@ pub fn solid(triangles: &[[DVec3; 3]], size: [u32; 3]) -> Vec<bool> {
     flips
 }
 
+/// Least and greatest coordinate along an axis.
+fn extent(triangle: &[DVec3; 3], axis: usize) -> [f64; 2] {
+    let [a, b, c] = triangle.map(|p| p[axis]);
+    [a.min(b).min(c), a.max(b).max(c)]
+}
+
 /// Where the line along x at (y, z) crosses a triangle.
 fn crossing(triangle: &[DVec3; 3], y: f64, z: f64) -> Option<f64> {
     let sides = [0, 1, 2].map(|i| side(triangle[(i + 1) % 3], triangle[(i + 2) % 3], y, z));
@@ -67,8 +72,8 @@ fn crossing(triangle: &[DVec3; 3], y: f64, z: f64) -> Option<f64> {
     let weighted = |i: usize| triangle[i].x * sides[i].1;
     let x = (weighted(0) + weighted(1) + weighted(2)) / total;
     // Slivers divide nearly nothing by nearly nothing: what lies in the triangle lies between its corners.
-    let [a, b, c] = triangle.map(|p| p.x);
-    Some(if x.is_finite() { x.clamp(a.min(b).min(c), a.max(b).max(c)) } else { a })
+    let [least, most] = extent(triangle, 0);
+    Some(if x.is_finite() { x.clamp(least, most) } else { triangle[0].x })
 }
 
 /// Which side of the edge from `a` to `b` the point lies on, and twice the area they span. The edge is taken in one
@@ -134,10 +139,8 @@ pub fn surface(triangles: &[[DVec3; 3]], size: [u32; 3], belongs: impl Fn(&[DVec
     let mut set = vec![false; nx * ny * nz];
     for triangle in triangles {
         let range = |axis: usize, n: usize| {
-            let values = triangle.map(|p| p[axis]);
-            let least = values.into_iter().fold(f64::INFINITY, f64::min) - 1.5;
-            let most = values.into_iter().fold(f64::NEG_INFINITY, f64::max) + 1.5;
-            least.floor().clamp(0.0, n as f64) as usize..most.ceil().clamp(0.0, n as f64) as usize
+            let [least, most] = extent(triangle, axis);
+            (least - 1.5).floor().clamp(0.0, n as f64) as usize..(most + 1.5).ceil().clamp(0.0, n as f64) as usize
         };
         let rows = range(2, nz).flat_map(|z| range(1, ny).map(move |y| (z, y)));
         for (z, y, x) in rows.flat_map(|(z, y)| range(0, nx).map(move |x| (z, y, x))) {

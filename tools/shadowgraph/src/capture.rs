@@ -16,14 +16,16 @@ use shadowgraph::scene::{Camera, GpuScene};
 use crate::cli::CaptureArguments;
 use crate::debug;
 use crate::failure::{Failure, Result};
-use crate::output::print;
+use crate::output::{check_name, print};
 use crate::phases::{Phases, Start};
 use crate::session::{self, Recipe};
 use crate::view;
 
 /// Renders and writes.
 pub fn run(arguments: &CaptureArguments, start: Start) -> Result<()> {
-    check_names(arguments)?;
+    for (option, path, end) in [("--output", &arguments.output, "exr"), ("--png", &arguments.png, "png")] {
+        path.as_ref().map_or(Ok(()), |path| check_name(option, path, end))?;
+    }
     let mut phases = Phases::new(start);
     // 1. The scene, and the device meanwhile. Where the scene is bad, that is what there is to say.
     let (scene, gpu) = thread::scope(|scope| {
@@ -50,23 +52,6 @@ pub fn run(arguments: &CaptureArguments, start: Start) -> Result<()> {
         return print(serde_json::to_string(&phases.report()).map_err(Failure::failed)?);
     }
     told.into_iter().try_for_each(print)
-}
-
-/// Refuses, before any work is done, names of files that would mislead and folders that are not there.
-fn check_names(arguments: &CaptureArguments) -> Result<()> {
-    let ends_with = |path: &Path, end: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
-    let files = [("--output", &arguments.output, "exr"), ("--png", &arguments.png, "png")];
-    for (option, path, end) in files {
-        let Some(path) = path else { continue };
-        if !ends_with(path, end) {
-            return Err(Failure::input(format!("{option} {}: the name must end in .{end}", path.display())));
-        }
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        if !folder.is_dir() {
-            return Err(Failure::input(format!("{option} {}: there is no such folder", path.display())));
-        }
-    }
-    Ok(())
 }
 
 /// Gives what there is to tell the user.

@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
 use shadowgraph::capture::Compression;
 use shadowgraph::frame::{Selection, Transparency};
+use shadowgraph::techniques::voxel::Axis;
 
 use crate::arguments::{self, Resolution, SceneSource, Size, Sun};
 
@@ -270,6 +271,16 @@ pub enum AxisName {
     Y,
     /// World z.
     Z,
+}
+
+impl From<AxisName> for Axis {
+    fn from(name: AxisName) -> Self {
+        match name {
+            AxisName::X => Self::X,
+            AxisName::Y => Self::Y,
+            AxisName::Z => Self::Z,
+        }
+    }
 }
 
 /// A way to find voxels.

@@ -1,6 +1,7 @@
-//! Standard output.
+//! Standard output, and files to write.
 
 use std::io::{self, Write};
+use std::path::Path;
 
 use crate::failure::{Failure, Result};
 
@@ -11,4 +12,16 @@ pub fn print(text: impl std::fmt::Display) -> Result<()> {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         other => other.map_err(Failure::failed),
     }
+}
+
+/// Refuses, before any work is done, the name of a file that would mislead, or one in a folder that is not there.
+pub fn check_name(option: &str, path: &Path, end: &str) -> Result<()> {
+    if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end)) {
+        return Err(Failure::input(format!("{option} {}: the name must end in .{end}", path.display())));
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        return Err(Failure::input(format!("{option} {}: there is no such folder", path.display())));
+    }
+    Ok(())
 }

@@ -3,6 +3,7 @@
 use std::io::Write as _;
 use std::time::Instant;
 
+use clap::ValueEnum;
 use serde::Serialize;
 use shadowgraph::capture::{write_atomically, write_npy};
 use shadowgraph::gpu::Gpu;
@@ -11,19 +12,19 @@ use shadowgraph::scene::{GpuScene, Scene};
 use shadowgraph::techniques::voxel::bitmask::Bitmask;
 use shadowgraph::techniques::voxel::conservative::Conservative;
 use shadowgraph::techniques::voxel::six_separating::SixSeparating;
-use shadowgraph::techniques::voxel::{Axis, Grid, Voxels};
+use shadowgraph::techniques::voxel::{Grid, VoxelBits, Voxels};
 
-use crate::cli::{AxisName, VoxelMethod, VoxelizeArguments};
+use crate::cli::{VoxelMethod, VoxelizeArguments};
 use crate::failure::{Failure, Result};
-use crate::output::print;
+use crate::output::{check_name, print};
 use crate::session;
 
 /// Where the voxels of a file are, and how they were made.
 #[derive(Serialize)]
 struct Description {
     scene: String,
-    method: &'static str,
-    axis: &'static str,
+    method: String,
+    axis: String,
     /// Voxels along x, y and z.
     resolution: [u32; 3],
     /// World-space lower corner, metres.
@@ -52,10 +53,7 @@ struct Told<'a> {
 
 /// Finds the voxels and writes them.
 pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
-    if !arguments.output.extension().is_some_and(|end| end.eq_ignore_ascii_case("npy")) {
-        let name = arguments.output.display();
-        return Err(Failure::input(format!("--output {name}: the name must end in .npy")));
-    }
+    check_name("--output", &arguments.output, "npy")?;
     let [x, y, z] = arguments.resolution.0;
     if arguments.min.is_none() && (x != y || y != z) {
         return Err(Failure::input("a --resolution of three numbers needs --min and --edge"));
@@ -78,12 +76,8 @@ pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
     let (path, beside) = (&arguments.output, arguments.output.with_extension("json"));
     let description = Description {
         scene: arguments.scene.to_string(),
-        method: match arguments.method {
-            VoxelMethod::Bitmask => "bitmask",
-            VoxelMethod::Conservative => "conservative",
-            VoxelMethod::SixSeparating => "six-separating",
-        },
-        axis: ["x", "y", "z"][axis(arguments.axis) as usize],
+        method: name(&arguments.method),
+        axis: name(&arguments.axis),
         resolution: grid.size(),
         min: grid.min().to_array(),
         voxel_edge: grid.edge(),
@@ -108,12 +102,9 @@ fn open_meshes(scene: &Scene) -> Vec<(String, usize)> {
     open.filter(|&(_, edges)| edges > 0).collect()
 }
 
-fn axis(name: AxisName) -> Axis {
-    match name {
-        AxisName::X => Axis::X,
-        AxisName::Y => Axis::Y,
-        AxisName::Z => Axis::Z,
-    }
+/// As the command line has it.
+fn name(value: &impl ValueEnum) -> String {
+    value.to_possible_value().map(|value| value.get_name().to_string()).unwrap_or_default()
 }
 
 /// The grid that was asked for.
@@ -131,17 +122,27 @@ fn grid(arguments: &VoxelizeArguments, scene: &GpuScene) -> Result<Grid> {
 fn voxelize(arguments: &VoxelizeArguments, gpu: &Gpu, scene: &GpuScene) -> Result<(Voxels, f64, u64)> {
     let grid = grid(arguments, scene)?;
     let began = Instant::now();
+    let axis = arguments.axis.into();
+    let mut executor = Executor::new(gpu);
+    let (voxels, bytes) = find(&mut executor, gpu, &grid, |graph| match arguments.method {
+        VoxelMethod::Bitmask => Bitmask { axis, ..Bitmask::default() }.record(graph, scene, &grid),
+        VoxelMethod::Conservative => Conservative { axis }.record(graph, scene, &grid),
+        VoxelMethod::SixSeparating => SixSeparating { axis }.record(graph, scene, &grid),
+    })?;
+    Ok((voxels, began.elapsed().as_secs_f64(), bytes))
+}
+
+/// The voxels that a technique records, and the bytes of transient memory it takes.
+pub fn find<'f>(
+    executor: &mut Executor,
+    gpu: &'f Gpu,
+    grid: &Grid,
+    record: impl FnOnce(&mut Graph<'f>) -> shadowgraph::Result<VoxelBits>,
+) -> Result<(Voxels, u64)> {
     let mut graph = Graph::new("voxelize", gpu.caps());
-    let found = match arguments.method {
-        VoxelMethod::Bitmask => {
-            Bitmask { axis: axis(arguments.axis), ..Bitmask::default() }.record(&mut graph, scene, &grid)?
-        }
-        VoxelMethod::Conservative => Conservative { axis: axis(arguments.axis) }.record(&mut graph, scene, &grid)?,
-        VoxelMethod::SixSeparating => SixSeparating { axis: axis(arguments.axis) }.record(&mut graph, scene, &grid)?,
-    };
-    graph.capture("voxels", &found.bits);
+    let VoxelBits { bits, axis, .. } = record(&mut graph)?;
+    graph.capture("voxels", &bits);
     let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
-    let executed = Executor::new(gpu).execute(&plan, graph)?;
-    let voxels = Voxels::read(executed.capture("voxels")?, &grid, found.axis)?;
-    Ok((voxels, began.elapsed().as_secs_f64(), plan.statistics.heap_bytes))
+    let executed = executor.execute(&plan, graph)?;
+    Ok((Voxels::read(executed.capture("voxels")?, grid, axis)?, plan.statistics.heap_bytes))
 }

@@ -5,7 +5,7 @@ use crate::Result;
 use crate::graph::checkpoint::{self, Later};
 use crate::graph::description::Description;
 use crate::graph::history::Declared;
-use crate::graph::plan::{Plan, segment};
+use crate::graph::plan::{Plan, first_segment, segment};
 
 impl Executor<'_> {
     /// `plan`: of the first segment.
@@ -22,13 +22,15 @@ impl Executor<'_> {
         let mut ends = Vec::new();
         for index in 0..=whole.checkpoints.len() {
             // 1. Plan it, by what the segments before it left. The first one was planned by the caller.
-            let mut planned = segment(&whole, index, &ends, self.gpu)?;
-            if index == 0 {
-                planned.plan = plan.clone();
-            }
+            let mut planned = match index {
+                0 => first_segment(&whole, plan.clone(), self.gpu)?,
+                _ => segment(&whole, index, &ends, self.gpu)?,
+            };
 
             // 2. Run it.
-            let (ran, _) = self.run_once(planned.description.clone(), &planned.plan, frame)?;
+            let description = std::mem::take(&mut planned.description);
+            let (ran, description) = self.run_once(description, &planned.plan, frame)?;
+            planned.description = description;
             let Ran { captures: read, passes, counts, recording, running } = ran;
             executed.passes.extend(passes);
             executed.counts.extend(counts);

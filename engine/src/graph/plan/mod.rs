@@ -29,8 +29,8 @@ pub use output::{
     Statistics, Step, Wait, Work,
 };
 pub use reason::{CullReason, Hazard, Reason};
-pub(super) use segments::states;
 pub use segments::{Segment, segment};
+pub(super) use segments::{first_segment, states};
 pub(super) use versions::held_at_the_end;
 
 use ash::vk::ImageLayout as Layout;

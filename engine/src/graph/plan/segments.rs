@@ -39,23 +39,17 @@ pub fn segment(
     ends: &[End],
     device: &dyn DeviceModel,
 ) -> Result<Segment, GraphErrors> {
-    // 1. What of the whole frame runs, and in which segment.
-    let chosen = choose(whole, device)?;
-    let cuts = Cuts::new(whole);
-    cuts.check(&chosen, index)?;
+    // 1. What of the whole frame runs, and the segment's own description.
+    let Part { chosen, description, passes, roots } = part(whole, index, ends, device)?;
 
-    // 2. The segment's own description.
-    let passes = cuts.passes(index);
-    let (roots, description) = cuts.describe(&chosen, index, ends);
-
-    // 3. Its plan. Passes were chosen for the whole frame.
+    // 2. Its plan. Passes were chosen for the whole frame.
     let culled = chosen.culled.iter().filter(|(pass, _)| passes.contains(&(pass.0 as usize)));
     let culled = culled.map(|(pass, why)| (PassId(pass.0 - passes.start as u32), why.clone())).collect();
     let versions = Versions::new(&description, vec![false; description.versions.len()]);
     let live = chosen.live[passes.clone()].to_vec();
     let mut plan = plan_chosen(&description, Chosen { versions, live, culled, dependencies: None }, device)?;
 
-    // 4. What is alive over a checkpoint is made once, for the uses of all segments.
+    // 3. What is alive over a checkpoint is made once, for the uses of all segments.
     let usages = usage::usages(whole, &chosen.live);
     for (index, resource) in description.resources.iter().enumerate() {
         if plan.usages[index].is_some() && matches!(resource.origin, Origin::Kept { .. }) {
@@ -63,6 +57,36 @@ pub fn segment(
         }
     }
     Ok(Segment { description, plan, passes, roots })
+}
+
+/// The first segment of a frame, which was planned before.
+///
+/// # Errors
+/// As [`segment`].
+pub(in crate::graph) fn first_segment(
+    whole: &Description,
+    plan: Plan,
+    device: &dyn DeviceModel,
+) -> Result<Segment, GraphErrors> {
+    let Part { description, passes, roots, .. } = part(whole, 0, &[], device)?;
+    Ok(Segment { description, plan, passes, roots })
+}
+
+/// A segment before it is planned.
+struct Part {
+    /// Of the whole frame.
+    chosen: Chosen,
+    description: Description,
+    passes: Span<usize>,
+    roots: Vec<usize>,
+}
+
+fn part(whole: &Description, index: usize, ends: &[End], device: &dyn DeviceModel) -> Result<Part, GraphErrors> {
+    let chosen = choose(whole, device)?;
+    let cuts = Cuts::new(whole);
+    cuts.check(&chosen, index)?;
+    let (roots, description) = cuts.describe(&chosen, index, ends);
+    Ok(Part { passes: cuts.passes(index), chosen, description, roots })
 }
 
 /// Where a frame is cut.

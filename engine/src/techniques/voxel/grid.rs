@@ -103,9 +103,10 @@ impl Grid {
         axis.order().map(|world| self.size[world])
     }
 
-    /// Words of 32 voxels in a column.
-    pub fn words_in_column(&self, axis: Axis) -> u32 {
-        self.columns(axis)[2].div_ceil(32)
+    /// Words of 32 voxels in all columns.
+    fn words(&self, axis: Axis) -> u64 {
+        let [width, height, depth] = self.columns(axis).map(u64::from);
+        width * height * depth.div_ceil(32)
     }
 
     /// The uniform block `VoxelGrid`.
@@ -136,8 +137,7 @@ impl VoxelBits {
     /// # Errors
     /// [`Error::Invalid`] where the device cannot bind so many bits at once; it says how many it can.
     pub(super) fn new(graph: &mut Graph, name: &str, grid: &Grid, axis: Axis) -> Result<Self> {
-        let [width, height, _] = grid.columns(axis).map(u64::from);
-        let bytes = 4 * width * height * u64::from(grid.words_in_column(axis));
+        let bytes = 4 * grid.words(axis);
         let most = u64::from(graph.caps().limits.max_storage_buffer_range);
         if bytes > most {
             let why = format!("{:?} voxels take {bytes} bytes; the device binds {most} at once", grid.size);
@@ -162,8 +162,7 @@ impl Voxels {
     /// [`Error::Invalid`] where the capture has another size; [`Error::Vulkan`] where it cannot be read.
     pub fn read(capture: &Capture, grid: &Grid, axis: Axis) -> Result<Self> {
         let words: Vec<u32> = capture.texels()?;
-        let [width, height, _] = grid.columns(axis);
-        if words.len() as u64 != u64::from(width) * u64::from(height) * u64::from(grid.words_in_column(axis)) {
+        if words.len() as u64 != grid.words(axis) {
             let why = format!("its {} words are not those of {:?} voxels along {axis:?}", words.len(), grid.size);
             return Err(Error::invalid(format!("capture `{}`", capture.name), why));
         }
@@ -227,7 +226,7 @@ mod tests {
         let grid = Grid::new(Vec3::ZERO, 1.0, [3, 5, 40]).unwrap();
         for axis in [Axis::X, Axis::Y, Axis::Z] {
             let [width, height, depth] = grid.columns(axis);
-            let mut words = vec![0; (width * height * grid.words_in_column(axis)) as usize];
+            let mut words = vec![0; grid.words(axis) as usize];
             let [i, j, k] = axis.order().map(|world| [2, 3, 37][world]);
             assert!(i < width && j < height && k < depth);
             words[((k / 32 * height + j) * width + i) as usize] = 1 << (k % 32);

@@ -3,7 +3,7 @@
 use super::{Axis, Grid, VoxelBits};
 use crate::Result;
 use crate::geometry::Aabb;
-use crate::graph::Graph;
+use crate::graph::{ComputePass, Graph};
 use crate::scene::GpuScene;
 use crate::shader::Shader;
 use crate::shader::generated::blocks;
@@ -38,17 +38,21 @@ pub(super) fn record<'f>(
     let starts = graph.data(&starts);
     let touch = blocks::Touch { instance_count, triangle_count, reach: 0.5 + margin(&grid, &scene.bounds) };
 
+    let bind = |pass: &mut ComputePass| {
+        pass.uniform(small_comp::VOXEL_GRID, &grid.block(axis))
+            .uniform(small_comp::TOUCH, &touch)
+            .constant(small_comp::INSTANCES, &scene.instances)
+            .constant(small_comp::TRIANGLE_STARTS, starts)
+            .constant(small_comp::INDICES, &scene.indices)
+            .constant(small_comp::POSITIONS, &scene.positions);
+    };
+
     // 2. A triangle an invocation; large ones are put on a list.
     let groups = graph.buffer("voxel.large.groups", 16);
     let groups = graph.fill("voxel.large.clear", groups, 0);
     let list = graph.buffer("voxel.large", 8 * u64::from(triangle_count));
     let mut pass = graph.compute("voxel.surface", small);
-    pass.uniform(small_comp::VOXEL_GRID, &grid.block(axis))
-        .uniform(small_comp::TOUCH, &touch)
-        .constant(small_comp::INSTANCES, &scene.instances)
-        .constant(small_comp::TRIANGLE_STARTS, starts)
-        .constant(small_comp::INDICES, &scene.indices)
-        .constant(small_comp::POSITIONS, &scene.positions);
+    bind(&mut pass);
     let bits = pass.write(small_comp::BITS, bits);
     let groups = pass.write(small_comp::LARGE_GROUPS, groups);
     let list = pass.write(small_comp::LARGE_TRIANGLES, list);
@@ -56,14 +60,8 @@ pub(super) fn record<'f>(
 
     // 3. Large triangles, a row of workgroups each.
     let mut pass = graph.compute("voxel.surface.large", large);
-    pass.uniform(large_comp::VOXEL_GRID, &grid.block(axis))
-        .uniform(large_comp::TOUCH, &touch)
-        .constant(large_comp::INSTANCES, &scene.instances)
-        .constant(large_comp::TRIANGLE_STARTS, starts)
-        .constant(large_comp::INDICES, &scene.indices)
-        .constant(large_comp::POSITIONS, &scene.positions)
-        .read(large_comp::LARGE_GROUPS, &groups)
-        .read(large_comp::LARGE_TRIANGLES, &list);
+    bind(&mut pass);
+    pass.read(large_comp::LARGE_GROUPS, &groups).read(large_comp::LARGE_TRIANGLES, &list);
     let bits = pass.write(large_comp::BITS, bits);
     pass.dispatch_indirect(&groups, 0);
     Ok(VoxelBits { bits, grid, axis })

@@ -10,12 +10,13 @@ use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::{GpuScene, Material, Mesh, Object, Primitive, Scene};
 use shadowgraph::techniques::voxel::bitmask::{Bitmask, Combine};
 use shadowgraph::techniques::voxel::conservative::Conservative;
-use shadowgraph::techniques::voxel::{Grid, VoxelBits, Voxels};
+use shadowgraph::techniques::voxel::{Grid, VoxelBits};
 
 use super::{Measurement, median, milliseconds};
 use crate::cli::{BenchArguments, DeviceArguments};
 use crate::failure::Result;
 use crate::session;
+use crate::voxelize::find;
 
 /// Segments of the sphere and voxels along an axis.
 const CASES: [(u32, u32); 8] =
@@ -76,12 +77,7 @@ fn measure(gpu: &Gpu, scene: &Scene, method: Method, resolution: u32, runs: usiz
         let began = Instant::now();
         let scene = scene.upload(gpu)?;
         let grid = Grid::around(&scene.bounds, resolution)?;
-        let mut graph = Graph::new("voxelize", gpu.caps());
-        let VoxelBits { bits, axis, .. } = method.record(&mut graph, &scene, &grid)?;
-        graph.capture("voxels", &bits);
-        let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
-        let executed = executor.execute(&plan, graph)?;
-        let voxels = Voxels::read(executed.capture("voxels")?, &grid, axis)?;
+        let (voxels, _) = find(&mut executor, gpu, &grid, |graph| method.record(graph, &scene, &grid))?;
         Ok((milliseconds(began.elapsed()), voxels.count() as f64))
     };
     // The first run compiles shaders.

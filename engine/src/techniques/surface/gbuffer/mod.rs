@@ -5,7 +5,7 @@ use ash::vk;
 
 use crate::gpu::Feature;
 use crate::graph::{Graph, ImageHandle, ImageShape, Load};
-use crate::scene::{DrawClass, Faces, GpuScene, SHADED, View, ViewSet};
+use crate::scene::{DrawClass, GpuScene, SHADED, View, ViewSet};
 use crate::shader::Program;
 use crate::shader::generated::surface::gbuffer::{
     gbuffer_frag, gbuffer_pulled_frag, gbuffer_pulled_vert, gbuffer_vert,
@@ -92,10 +92,7 @@ impl GBuffer {
             .constant(gbuffer_vert::INSTANCES, &scene.instances)
             .depth_test(&depth);
         if pull {
-            pass.constant(gbuffer_pulled_vert::INDICES, &scene.indices)
-                .constant(gbuffer_pulled_vert::POSITIONS, &scene.positions)
-                .constant(gbuffer_pulled_vert::ALPHA_VERTICES, &scene.alpha_attributes)
-                .constant(gbuffer_pulled_vert::SHADING_VERTICES, &scene.shading_attributes);
+            scene.bind_pulled(&mut pass);
         }
         let none = Load::Clear([0.0; 4]);
         let albedo = pass.color(gbuffer_frag::ALBEDO, albedo, none);
@@ -106,13 +103,7 @@ impl GBuffer {
         pass.draw(move |recorder| {
             for class in [DrawClass::Opaque, DrawClass::Masked] {
                 let draws = scene.draws.visible(class, &frusta);
-                scene.draw_by_textures(recorder, &texture_sets, &draws, |recorder, draws| {
-                    recorder.push(&0u32);
-                    match pull {
-                        true => scene.draw_pulled(recorder, Faces::Material, draws),
-                        false => scene.draw(recorder, Faces::Material, draws),
-                    }
-                });
+                scene.draw_by_textures(recorder, &texture_sets, &draws, pull);
             }
             Ok(())
         });

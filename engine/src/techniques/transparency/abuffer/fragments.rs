@@ -96,10 +96,7 @@ impl<'f> Fragments<'f> for Blended<'_, 'f> {
         }
         self.lights.bind(pass, self.scene, &views);
         if self.pull_vertices {
-            pass.constant(surface_pulled_vert::INDICES, &self.scene.indices)
-                .constant(surface_pulled_vert::POSITIONS, &self.scene.positions)
-                .constant(surface_pulled_vert::ALPHA_VERTICES, &self.scene.alpha_attributes)
-                .constant(surface_pulled_vert::SHADING_VERTICES, &self.scene.shading_attributes);
+            self.scene.bind_pulled(pass);
         }
     }
 
@@ -115,13 +112,7 @@ impl<'f> Fragments<'f> for Blended<'_, 'f> {
         }
         let texture_sets = self.texture_sets();
         Box::new(move |recorder| {
-            scene.draw_by_textures(recorder, &texture_sets, &draws, |recorder, draws| {
-                recorder.push(&0u32);
-                match pull {
-                    true => scene.draw_pulled(recorder, Faces::Material, draws),
-                    false => scene.draw(recorder, Faces::Material, draws),
-                }
-            });
+            scene.draw_by_textures(recorder, &texture_sets, &draws, pull);
             Ok(())
         })
     }
