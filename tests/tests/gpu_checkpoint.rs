@@ -140,6 +140,8 @@ fn a_buffer_is_as_large_as_a_pass_has_counted() {
             let executed = run(&mut executor, gpu, graph);
             assert_eq!(counted.values().unwrap(), [total as u32]);
             assert_eq!(executed.later.len(), 1);
+            let passes = &executed.later[0].description.passes;
+            assert!(passes.iter().any(|pass| pass.name.as_str() == "resolve"), "{} passes", passes.len());
             let names: Vec<_> = executed.captures.iter().map(|capture| capture.name.as_str()).collect();
             assert_eq!(names, ["left", "nodes", "sums"]);
             // What was counted once is used up to the last node.
