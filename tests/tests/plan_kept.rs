@@ -105,6 +105,46 @@ fn the_first_frame_begins_its_history_and_the_others_go_on_with_it() {
     }
 }
 
+/// What read the buffer before the frame, by a stage that no pass of this one reads it by, is waited for as well, and
+/// is handed on where nobody writes. A single stage of copies belongs to all of them.
+///
+/// ```text
+/// buffer ─┬─► copy
+///         ├─► any transfer
+///         └─► (write)
+/// ```
+#[test]
+fn readers_before_the_frame_are_not_forgotten() {
+    let vertex = Access::uniform(vk::PipelineStageFlags2::VERTEX_SHADER);
+    let known = vertex.merge(Access { layout: vk::ImageLayout::UNDEFINED, ..Access::transfer_read() });
+    for writes in [false, true] {
+        let mut draft = Draft::new("frame");
+        let whole = Range::Buffer([0, 64]);
+        let origin = Origin::Kept { before: vec![state(whole, known, true)], after: None, needed: writes };
+        let buffer = draft.resource("buffer", Shape::Buffer { size: 64 }, origin);
+        for (pass, access) in [("copy", Access::copy_read()), ("any transfer", Access::transfer_read())] {
+            let copy = draft.buffer(pass, 64);
+            let copied = draft.pass(pass, GRAPHICS, |pass| {
+                pass.read("source", buffer, access);
+                pass.overwrite("it", copy, Access::copy_write())
+            });
+            draft.keep(pass, copied);
+        }
+        if writes {
+            let write = Access::storage_buffer_write(COMPUTE);
+            draft.pass("write", GRAPHICS, |pass| pass.overwrite("it", buffer, write));
+        }
+        let plan = plan(&draft.description, &MadeUpDevice::one_queue()).unwrap();
+        if writes {
+            let all = lines(&draft.description, &plan);
+            let waits = "  memory: VERTEX_SHADER | ALL_TRANSFER -> COMPUTE_SHADER";
+            assert!(all.iter().any(|line| line == waits), "{all:#?}");
+        } else {
+            assert_eq!(ends(&plan, 0), [state(whole, known, true)]);
+        }
+    }
+}
+
 /// A segment's plans, each from what the one before it left.
 fn segments(description: &Description, device: &MadeUpDevice) -> Vec<Segment> {
     let mut segments: Vec<Segment> = Vec::new();

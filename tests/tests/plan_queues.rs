@@ -198,6 +198,36 @@ fn imports_are_lent_and_given_back() {
     );
 }
 
+/// Whoever writes the buffer after the frame waits for the stage it is left to, and so for readers on another queue.
+///
+/// ```text
+/// settings (left to vertex shaders) ──► simulate (compute)
+/// ```
+#[test]
+fn what_another_queue_reads_is_left_behind_a_semaphore() {
+    let device = MadeUpDevice { families: [Some(0), Some(0), None], ..MadeUpDevice::one_queue() };
+    let mut draft = Draft::new("frame");
+    let uniform = Access::uniform(vk::PipelineStageFlags2::VERTEX_SHADER);
+    let origin = Origin::Imported { before: uniform, after: Some(uniform) };
+    let settings = draft.resource("settings", Shape::Buffer { size: 64 }, origin);
+    let state = draft.buffer("state", 64);
+    let state = draft.pass("simulate", Queue::Compute, |pass| {
+        pass.read("settings", settings, Access::uniform(COMPUTE));
+        pass.overwrite("state", state, Access::storage_buffer_write(COMPUTE))
+    });
+    draft.keep("state", state);
+    expect(
+        &draft,
+        &device,
+        &[
+            "Graphics 1:",
+            "Compute 1, waits for Graphics 1 before COMPUTE_SHADER:",
+            "  `simulate`",
+            "Graphics 2, waits for Compute 1 before VERTEX_SHADER:",
+        ],
+    );
+}
+
 /// ```text
 /// compute:  clear ─► append0 ┐          one queue for both, since both own the list at once
 /// graphics:          append1 ┴─► sort

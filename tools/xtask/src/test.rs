@@ -7,11 +7,15 @@ use crate::shell;
 use crate::workspace::Workspace;
 use std::path::PathBuf;
 use std::process::Command;
+use std::time::{SystemTime, UNIX_EPOCH};
 use std::{env, fs};
 
 /// Every driver must pass the tests with this in their names, and all tests of these programs.
 const PORTABLE: &str = "portable_";
 const PORTABLE_PROGRAMS: &[&str] = &["gpu_device", "gpu_memory", "gpu_pipeline"];
+
+/// What chooses the cases of random tests.
+const SEED: &str = "PROPTEST_RNG_SEED";
 
 /// Which tests to run, and on what.
 #[derive(Debug, Default, clap::Args)]
@@ -51,6 +55,10 @@ pub fn test(workspace: &Workspace, options: &TestOptions) -> Result<()> {
 
 /// Runs the tests, and says what ran and what was skipped.
 pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<()> {
+    let seed = options.long.then(fresh_seed);
+    if let Some(seed) = &seed {
+        println!("random cases: {SEED}={seed}");
+    }
     let driver = options.driver.unwrap_or_else(default_driver);
     let skipped = SkipList::new(workspace, driver);
     let manifest = driver.manifest(workspace)?;
@@ -59,6 +67,9 @@ pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<()> {
     for selection in selections(options) {
         let mut command = test_command(workspace, options, &selection);
         command.env("SHADOWGRAPH_SKIPPED", &skipped.path);
+        if let Some(seed) = &seed {
+            command.env(SEED, seed);
+        }
         if let Some(manifest) = &manifest {
             drivers::select(&mut command, manifest);
         }
@@ -83,6 +94,11 @@ pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<()> {
         return Err(Failure::Failed("no test ran: no name contains the filter".to_owned()));
     }
     Ok(())
+}
+
+/// Chooses the random cases that no run drew before.
+fn fresh_seed() -> String {
+    SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_millis().to_string()
 }
 
 /// The folder of scenes beside the checkout or named by the user. Where tests are told one, a scene that it lacks is a

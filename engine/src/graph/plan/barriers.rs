@@ -244,7 +244,7 @@ impl Found {
                 self.rely(prev, next, stages, false);
                 self.chained_from(self.reliances.len() - 1);
                 visible.clear();
-            } else if next.first != At::END || next.write || !unseen.mask.is_empty() {
+            } else if next.first != At::END || !to.stages.is_empty() {
                 self.rely(prev, next, to.stages, true);
                 visible.push((next.queue, to.stages, Mask::from_raw(!0)));
             }

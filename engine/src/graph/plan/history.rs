@@ -3,6 +3,7 @@
 use ash::vk::{AccessFlags2 as Mask, ImageLayout, PipelineStageFlags2 as Stages};
 
 use super::dependencies::Node;
+use super::stages::holds;
 use super::versions::Versions;
 use super::{End, Work};
 use crate::graph::description::{Access, Description, Origin, Queue, ResourceId, Shape, State, VersionId};
@@ -129,8 +130,8 @@ impl Group {
             _ => false,
         };
         // What the frame began with is visible to no more than it says: only reads that it covers belong to it.
-        let covered = self.access.stages.contains(next.access.stages) && self.access.mask.contains(next.access.mask);
-        alike && self.queue == next.queue && (self.first != At::START || (!self.write && covered))
+        let covered = !self.write && holds(&self.access, &next.access);
+        alike && self.queue == next.queue && (self.first != At::START || covered)
     }
 }
 

@@ -8,14 +8,9 @@ use std::collections::VecDeque;
 
 use ash::vk::{AccessFlags2 as Mask, PipelineStageFlags2 as Stages};
 
-use super::stages::{COUNT, Set, bits, both, members, set, single, with_earlier, with_later, without};
+use super::stages::{COUNT, Set, bits, both, holds, members, set, single, with_earlier, with_later, without};
 use super::{Barriers, Hazard, ImageBarrier, MemoryBarrier, Ownership, Reason, Work};
 use crate::graph::description::{Access, ResourceId};
-
-/// Whether scopes hold all of other scopes.
-fn holds(a: &Access, b: &Access) -> bool {
-    set(b.stages) & !set(a.stages) == 0 && a.mask.contains(b.mask)
-}
 
 /// Whether a barrier does more than to order.
 fn is_strong(barrier: &MemoryBarrier) -> bool {

@@ -3,6 +3,8 @@
 
 use ash::vk::PipelineStageFlags2 as Stages;
 
+use crate::graph::description::Access;
+
 /// Stages in the order that the graphics pipeline goes through them, then those outside of it.
 const STAGES: [Stages; COUNT] = [
     Stages::DRAW_INDIRECT,
@@ -50,6 +52,11 @@ pub(super) fn set(stages: Stages) -> Set {
         set |= 1 << place.unwrap_or(COUNT - 1);
     }
     set
+}
+
+/// Whether scopes hold all of other scopes.
+pub(super) fn holds(a: &Access, b: &Access) -> bool {
+    set(b.stages) & !set(a.stages) == 0 && a.mask.contains(b.mask)
 }
 
 /// The places of a set, ascending.
