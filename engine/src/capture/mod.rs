@@ -1,4 +1,4 @@
-//! Pictures on disk: multi-part OpenEXR for data, PNG for looking at, NPY for arrays.
+//! Pictures on disk: multi-part OpenEXR for data, PNG for looking at, NPY for arrays; and voxel grids.
 //!
 //! The writers work on plain host memory and know no device; [`FrameCapture`] fills them from a frame. A file appears whole or not at all: it is written
 //! under a temporary name in its own folder and renamed, and the same input gives the same bytes.
@@ -13,6 +13,7 @@ mod model;
 mod npy;
 mod png;
 mod texels;
+mod voxels;
 
 pub use atomic::write_atomically;
 pub use content::{Content, SampleKind, Texels};
@@ -24,3 +25,4 @@ pub use model::{Capture, Channel, Part, Samples};
 pub use npy::{NpyScalar, write_npy};
 pub use png::{PngOptions, ToneMap, auto_exposure, write_png};
 pub use texels::unpack;
+pub use voxels::{VoxelFormat, write_voxels};

@@ -23,8 +23,8 @@ use crate::view;
 
 /// Renders and writes.
 pub fn run(arguments: &CaptureArguments, start: Start) -> Result<()> {
-    for (option, path, end) in [("--output", &arguments.output, "exr"), ("--png", &arguments.png, "png")] {
-        path.as_ref().map_or(Ok(()), |path| check_name(option, path, end))?;
+    for (option, path, end) in [("--output", &arguments.output, ".exr"), ("--png", &arguments.png, ".png")] {
+        path.as_ref().map_or(Ok(()), |path| check_name(option, path, &[end]))?;
     }
     let mut phases = Phases::new(start);
     // 1. The scene, and the device meanwhile. Where the scene is bad, that is what there is to say.

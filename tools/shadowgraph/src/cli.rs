@@ -251,8 +251,9 @@ pub struct VoxelizeArguments {
     /// How voxels are found
     #[arg(long, value_enum, default_value_t = VoxelMethod::Bitmask)]
     pub method: VoxelMethod,
-    /// The NumPy file to write
-    #[arg(short, long, value_name = "FILE.npy")]
+    /// The file to write; its name says the format: .npy or .packed.npy (NumPy), .binvox, .vox (MagicaVoxel), .exr (a part
+    /// a slice), .glb (a mesh to look at), .png (a picture of slices). What it means is written beside it, as .json
+    #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Print one JSON object: what the .json file has, times and memory
     #[arg(long)]

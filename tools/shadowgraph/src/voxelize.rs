@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use clap::ValueEnum;
 use serde::Serialize;
-use shadowgraph::capture::{write_atomically, write_npy};
+use shadowgraph::capture::{VoxelFormat, write_atomically, write_voxels};
 use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::{GpuScene, Scene};
@@ -31,8 +31,9 @@ struct Description {
     min: [f32; 3],
     /// Metres.
     voxel_edge: f32,
-    /// Indices of the array.
-    order: &'static str,
+    /// Indices of an array.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    order: Option<&'static str>,
     set: u64,
     /// Meshes whose surface is not closed, with the number of their open edges.
     open_meshes: Vec<(String, usize)>,
@@ -53,7 +54,9 @@ struct Told<'a> {
 
 /// Finds the voxels and writes them.
 pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
-    check_name("--output", &arguments.output, "npy")?;
+    let ends = VoxelFormat::ALL.map(VoxelFormat::end);
+    check_name("--output", &arguments.output, &ends)?;
+    let format = VoxelFormat::of(&arguments.output).unwrap_or(VoxelFormat::Npy);
     let [x, y, z] = arguments.resolution.0;
     if arguments.min.is_none() && (x != y || y != z) {
         return Err(Failure::input("a --resolution of three numbers needs --min and --edge"));
@@ -71,7 +74,7 @@ pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
     let closed = session::close(gpu);
     let (voxels, seconds, bytes) = found?;
     closed?;
-    // 3. The array, and beside it what it means.
+    // 3. The file, and beside it what it means.
     let grid = voxels.grid();
     let (path, beside) = (&arguments.output, arguments.output.with_extension("json"));
     let description = Description {
@@ -81,11 +84,15 @@ pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
         resolution: grid.size(),
         min: grid.min().to_array(),
         voxel_edge: grid.edge(),
-        order: "[z][y][x]",
+        order: match format {
+            VoxelFormat::Npy => Some("[z][y][x]"),
+            VoxelFormat::PackedNpy => Some("[z][y][x / 8], lowest bit first"),
+            _ => None,
+        },
         set: voxels.count(),
         open_meshes,
     };
-    write_npy(path, &[z, y, x].map(|n| n as usize), &voxels.bytes())?;
+    write_voxels(path, &voxels, format)?;
     let text = serde_json::to_string_pretty(&description).map_err(Failure::failed)?;
     write_atomically(&beside, |file| writeln!(file, "{text}"))?;
     if arguments.json {

@@ -337,6 +337,14 @@ fn voxels_are_written_with_what_they_mean() {
     let output = succeeds(&folder, &[&["voxelize", "builtin:cornell"], &grid[..]].concat());
     assert!(stdout(&output).contains("8×4×2") && stderr(&output).contains("is not closed"), "{output:?}");
 
+    // The name says the format.
+    for name in ["part.packed.npy", "part.binvox", "part.vox", "part.exr", "part.glb", "part.png"] {
+        succeeds(&folder, &["voxelize", "builtin:cornell", "--resolution", "16", "-o", name]);
+        assert!(fs::metadata(folder.path().join(name)).unwrap().len() > 0);
+    }
+    let shown = ["capture", "part.glb", "-o", "shown.exr", "--size", "16x16"];
+    succeeds(&folder, &shown);
+
     // Surfaces need not be closed.
     let surface = ["voxelize", "builtin:cornell", "--method", "conservative", "--resolution", "16", "-o", "walls.npy"];
     assert_eq!(stderr(&succeeds(&folder, &surface)).matches("warn").count(), 0);
@@ -347,6 +355,6 @@ fn voxels_are_written_with_what_they_mean() {
     is_refused(&voxelize(&["--resolution", "8,4,2"]), "--min and --edge");
     is_refused(&voxelize(&["--min", "0,0,0"]), "--edge");
     is_refused(&voxelize(&["--min", "0,0,0", "--edge", "-1"]), "greater than 0");
-    is_refused(&["voxelize", "builtin:cornell", "-o", "o.vox"], ".npy");
+    is_refused(&["voxelize", "builtin:cornell", "-o", "o.obj"], ".npy, .packed.npy, .binvox");
     is_refused(&["voxelize", "builtin:cornell", "-o", "no/o.npy"], "no such folder");
 }
