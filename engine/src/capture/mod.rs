@@ -5,6 +5,7 @@
 
 mod atomic;
 mod content;
+mod deep;
 mod exr;
 mod frame;
 mod half_float;
@@ -17,7 +18,8 @@ mod voxels;
 
 pub use atomic::write_atomically;
 pub use content::{Content, SampleKind, Texels};
-pub use exr::{Compression, ExrOptions, write_exr};
+pub use deep::{DeepPicture, DeepSample};
+pub use exr::{Compression, ExrOptions, write_deep_exr, write_exr};
 pub use frame::{CapturedFrame, FrameCapture, picture};
 pub use half_float::{HalfReport, to_half};
 pub use metadata::{Metadata, Value};

@@ -317,6 +317,19 @@ fn benchmarks_print_one_object_a_line() {
 }
 
 #[test]
+fn deep_pictures_are_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["capture", "builtin:courtyard", "--deep", "deep.exr", "--size", "64x36", "--validation"];
+    let output = succeeds(&folder, &arguments);
+    assert!(stdout(&output).contains("wrote deep.exr"), "{output:?}");
+    // OpenEXR's mark of data that is not flat.
+    let file = fs::read(folder.path().join("deep.exr")).unwrap();
+    assert_eq!(file[..8], [0x76, 0x2f, 0x31, 0x01, 0x02, 0x08, 0, 0]);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    is_refused(&["capture", "builtin:courtyard", "--deep", "deep.png"], "must end in .exr");
+}
+
+#[test]
 fn voxels_are_written_with_what_they_mean() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = ["voxelize", "builtin:cornell", "--resolution", "32", "--validation", "-o", "room.npy", "--json"];
