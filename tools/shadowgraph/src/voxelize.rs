@@ -12,7 +12,9 @@ use shadowgraph::scene::{GpuScene, Scene};
 use shadowgraph::techniques::voxel::bitmask::Bitmask;
 use shadowgraph::techniques::voxel::conservative::Conservative;
 use shadowgraph::techniques::voxel::six_separating::SixSeparating;
-use shadowgraph::techniques::voxel::{Grid, VoxelBits, Voxels};
+use shadowgraph::techniques::voxel::stencil::Stencil;
+use shadowgraph::techniques::voxel::winding::Winding;
+use shadowgraph::techniques::voxel::{FillRule, Grid, VoxelBits, Voxels};
 
 use crate::cli::{VoxelMethod, VoxelizeArguments};
 use crate::failure::{Failure, Result};
@@ -58,10 +60,13 @@ pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
     if arguments.min.is_none() && (x != y || y != z) {
         return Err(Failure::input("a --resolution of three numbers needs --min and --edge"));
     }
+    if arguments.rule.is_some() && !matches!(arguments.method, VoxelMethod::Stencil | VoxelMethod::Winding) {
+        return Err(Failure::input("--rule is for --method stencil and --method winding"));
+    }
     // 1. A scene of closed surfaces, or a warning where solids are wanted.
     let scene = session::scene(&arguments.scene)?;
     let open_meshes = open_meshes(&scene);
-    for (name, edges) in open_meshes.iter().filter(|_| arguments.method == VoxelMethod::Bitmask) {
+    for (name, edges) in open_meshes.iter().filter(|_| arguments.method.is_solid()) {
         log::warn!("mesh `{name}` is not closed ({edges} open edges): columns behind its holes are wrong");
     }
     // 2. Its voxels. All that holds on to the device goes before the device.
@@ -123,9 +128,12 @@ fn voxelize(arguments: &VoxelizeArguments, gpu: &Gpu, scene: &GpuScene) -> Resul
     let grid = grid(arguments, scene)?;
     let began = Instant::now();
     let axis = arguments.axis.into();
+    let rule = arguments.rule.map(FillRule::from).unwrap_or_default();
     let mut executor = Executor::new(gpu);
     let (voxels, bytes) = find(&mut executor, gpu, &grid, |graph| match arguments.method {
         VoxelMethod::Bitmask => Bitmask { axis, ..Bitmask::default() }.record(graph, scene, &grid),
+        VoxelMethod::Stencil => Stencil { axis, rule, ..Stencil::default() }.record(graph, scene, &grid),
+        VoxelMethod::Winding => Winding { axis, rule }.record(graph, scene, &grid),
         VoxelMethod::Conservative => Conservative { axis }.record(graph, scene, &grid),
         VoxelMethod::SixSeparating => SixSeparating { axis }.record(graph, scene, &grid),
     })?;
