@@ -5,6 +5,7 @@ pub mod bitmask;
 mod columns;
 pub mod conservative;
 mod grid;
+pub mod ray_marching;
 pub mod six_separating;
 pub mod stencil;
 mod surface;
