@@ -289,7 +289,7 @@ impl<'g> Kitchen<'g> {
         let color = graph.clear("background", color, ash::vk::ClearColorValue { float32: BACKGROUND });
         let mut blended = Blended::new(&graph, &self.scene, self.view, &lights);
         blended.pull_vertices |= pull_vertices;
-        let Composited { color, count, front, report, totals, counter } =
+        let Composited { color, count, front, report, totals, counter, .. } =
             abuffer.record(&mut graph, &self.view, &depth, &blended, color);
         graph.capture("color", &color);
         graph.capture("count", &count);

@@ -162,17 +162,22 @@ Examples:
   shadowgraph capture scene.glb -o out.exr
   shadowgraph capture scene.glb -o out.exr --size 1920x1080 --camera 0 --png out.png
   shadowgraph capture scene.glb -o out.exr --eye 3,1.7,4 --target 0,1,0 --fov 50
+  shadowgraph capture scene.glb -o out.exr --deep layers.exr
   shadowgraph capture scene.glb -o out.exr --sun -0.4,-1,-0.3,100000 --layers color,Z,shadow")]
 pub struct CaptureArguments {
     /// What is rendered.
     #[command(flatten)]
     pub frame: FrameArguments,
     /// The OpenEXR file to write
-    #[arg(short, long, value_name = "FILE.exr", required_unless_present_any = ["png", "phases"])]
+    #[arg(short, long, value_name = "FILE.exr", required_unless_present_any = ["png", "deep", "phases"])]
     pub output: Option<PathBuf>,
     /// A tone-mapped picture to look at as well
     #[arg(long, value_name = "FILE.png")]
     pub png: Option<PathBuf>,
+    /// A deep OpenEXR file as well: every layer of every pixel, with R, G, B, A and Z. Blended surfaces are composited as
+    /// by `--transparency abuffer` then
+    #[arg(long, value_name = "FILE.exr")]
+    pub deep: Option<PathBuf>,
     /// Leave out what differs from run to run (the passes' times), so that equal frames make equal files
     #[arg(long)]
     pub reproducible: bool,
@@ -256,8 +261,9 @@ pub struct VoxelizeArguments {
     /// what lies behind an odd number of surfaces
     #[arg(long, value_enum)]
     pub rule: Option<RuleName>,
-    /// The NumPy file to write
-    #[arg(short, long, value_name = "FILE.npy")]
+    /// The file to write; its name says the format: .npy or .packed.npy (NumPy), .binvox, .vox (MagicaVoxel), .exr (a part
+    /// a slice), .glb (a mesh to look at), .png (a picture of slices). What it means is written beside it, as .json
+    #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Print one JSON object: what the .json file has, times and memory
     #[arg(long)]
