@@ -6,7 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
 use shadowgraph::capture::Compression;
 use shadowgraph::frame::{Selection, Transparency};
-use shadowgraph::techniques::voxel::Axis;
+use shadowgraph::techniques::voxel::{Axis, FillRule};
 
 use crate::arguments::{self, Resolution, SceneSource, Size, Sun};
 
@@ -230,7 +230,8 @@ pub enum GraphFormat {
 /// Arguments of `voxelize`.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "\
-Writes a NumPy array of bytes, indexed [z,y,x], 1 where a voxel's centre is inside a solid (bitmask) or a triangle \
+Writes a NumPy array of bytes, indexed [z,y,x], 1 where a voxel's centre is inside a solid (bitmask, stencil, \
+winding) or a triangle \
 touches the voxel (conservative, six-separating), and beside it a .json file \
 that says where the voxels are: voxel (i,j,k) has its centre at min + (i+1/2, j+1/2, k+1/2) * voxel_edge.
 
@@ -256,6 +257,10 @@ pub struct VoxelizeArguments {
     /// How voxels are found
     #[arg(long, value_enum, default_value_t = VoxelMethod::Bitmask)]
     pub method: VoxelMethod,
+    /// What is inside (stencil, winding): what surfaces wind around, the default, so that solids that overlap are one; or
+    /// what lies behind an odd number of surfaces
+    #[arg(long, value_enum)]
+    pub rule: Option<RuleName>,
     /// The file to write; its name says the format: .npy or .packed.npy (NumPy), .binvox, .vox (MagicaVoxel), .exr (a part
     /// a slice), .glb (a mesh to look at), .png (a picture of slices). What it means is written beside it, as .json
     #[arg(short, long, value_name = "FILE")]
@@ -292,12 +297,41 @@ impl From<AxisName> for Axis {
 /// A way to find voxels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum VoxelMethod {
-    /// Solids, by XOR of column bits.
+    /// Solids, by XOR of column bits: inside is what lies behind an odd number of surfaces.
     Bitmask,
+    /// Solids, counted slice by slice in a stencil buffer.
+    Stencil,
+    /// Solids, by winding numbers counted in one pass.
+    Winding,
     /// Surfaces: every voxel that a triangle touches.
     Conservative,
     /// Surfaces: as few voxels as separate the two sides.
     SixSeparating,
+}
+
+impl VoxelMethod {
+    /// Whether it finds what is inside of surfaces, which must be closed for that.
+    pub fn is_solid(self) -> bool {
+        matches!(self, Self::Bitmask | Self::Stencil | Self::Winding)
+    }
+}
+
+/// A rule of what is inside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum RuleName {
+    /// What surfaces wind around.
+    NonZero,
+    /// What lies behind an odd number of surfaces.
+    EvenOdd,
+}
+
+impl From<RuleName> for FillRule {
+    fn from(rule: RuleName) -> Self {
+        match rule {
+            RuleName::NonZero => Self::NonZero,
+            RuleName::EvenOdd => Self::EvenOdd,
+        }
+    }
 }
 
 /// Arguments of `info`.

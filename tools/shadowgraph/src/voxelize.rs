@@ -12,9 +12,11 @@ use shadowgraph::scene::{GpuScene, Scene};
 use shadowgraph::techniques::voxel::bitmask::Bitmask;
 use shadowgraph::techniques::voxel::conservative::Conservative;
 use shadowgraph::techniques::voxel::six_separating::SixSeparating;
+use shadowgraph::techniques::voxel::stencil::Stencil;
+use shadowgraph::techniques::voxel::winding::Winding;
 use shadowgraph::techniques::voxel::{Grid, VoxelBits, Voxels};
 
-use crate::cli::{VoxelMethod, VoxelizeArguments};
+use crate::cli::{RuleName, VoxelMethod, VoxelizeArguments};
 use crate::failure::{Failure, Result};
 use crate::output::{check_name, print};
 use crate::session;
@@ -24,6 +26,9 @@ use crate::session;
 struct Description {
     scene: String,
     method: String,
+    /// What is inside, where the method has a rule.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rule: Option<String>,
     axis: String,
     /// Voxels along x, y and z.
     resolution: [u32; 3],
@@ -61,10 +66,14 @@ pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
     if arguments.min.is_none() && (x != y || y != z) {
         return Err(Failure::input("a --resolution of three numbers needs --min and --edge"));
     }
+    let has_rule = matches!(arguments.method, VoxelMethod::Stencil | VoxelMethod::Winding);
+    if arguments.rule.is_some() && !has_rule {
+        return Err(Failure::input("--rule is for --method stencil and --method winding"));
+    }
     // 1. A scene of closed surfaces, or a warning where solids are wanted.
     let scene = session::scene(&arguments.scene)?;
     let open_meshes = open_meshes(&scene);
-    for (name, edges) in open_meshes.iter().filter(|_| arguments.method == VoxelMethod::Bitmask) {
+    for (name, edges) in open_meshes.iter().filter(|_| arguments.method.is_solid()) {
         log::warn!("mesh `{name}` is not closed ({edges} open edges): columns behind its holes are wrong");
     }
     // 2. Its voxels. All that holds on to the device goes before the device.
@@ -80,6 +89,7 @@ pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
     let description = Description {
         scene: arguments.scene.to_string(),
         method: name(&arguments.method),
+        rule: has_rule.then(|| name(&arguments.rule.unwrap_or(RuleName::NonZero))),
         axis: name(&arguments.axis),
         resolution: grid.size(),
         min: grid.min().to_array(),
@@ -130,9 +140,12 @@ fn voxelize(arguments: &VoxelizeArguments, gpu: &Gpu, scene: &GpuScene) -> Resul
     let grid = grid(arguments, scene)?;
     let began = Instant::now();
     let axis = arguments.axis.into();
+    let rule = arguments.rule.unwrap_or(RuleName::NonZero).into();
     let mut executor = Executor::new(gpu);
     let (voxels, bytes) = find(&mut executor, gpu, &grid, |graph| match arguments.method {
         VoxelMethod::Bitmask => Bitmask { axis, ..Bitmask::default() }.record(graph, scene, &grid),
+        VoxelMethod::Stencil => Stencil { axis, rule, ..Stencil::default() }.record(graph, scene, &grid),
+        VoxelMethod::Winding => Winding { axis, rule }.record(graph, scene, &grid),
         VoxelMethod::Conservative => Conservative { axis }.record(graph, scene, &grid),
         VoxelMethod::SixSeparating => SixSeparating { axis }.record(graph, scene, &grid),
     })?;

@@ -377,6 +377,17 @@ fn voxels_are_written_with_what_they_mean() {
     let surface = ["voxelize", "builtin:cornell", "--method", "conservative", "--resolution", "16", "-o", "walls.npy"];
     assert_eq!(stderr(&succeeds(&folder, &surface)).matches("warn").count(), 0);
 
+    // Solids by every method.
+    for method in ["bitmask", "stencil", "winding"] {
+        let solid = ["voxelize", "builtin:cornell", "--method", method, "--resolution", "16", "-o", "solid.npy"];
+        assert!(stdout(&succeeds(&folder, &solid)).contains("16×16×16"));
+    }
+    let winding = ["voxelize", "builtin:cornell", "--method", "winding", "--rule", "even-odd", "-o", "odd.npy"];
+    succeeds(&folder, &winding);
+    let beside: serde_json::Value = serde_json::from_slice(&fs::read(folder.path().join("odd.json")).unwrap()).unwrap();
+    assert_eq!((&beside["method"], &beside["rule"]), (&"winding".into(), &"even-odd".into()));
+    is_refused(&["voxelize", "builtin:cornell", "--rule", "even-odd", "-o", "odd.npy"], "--method winding");
+
     let voxelize = |more: &[&'static str]| [&["voxelize", "builtin:cornell", "-o", "o.npy"], more].concat();
     is_refused(&voxelize(&["--resolution", "0"]), "1 to 1024");
     is_refused(&voxelize(&["--resolution", "8,8,8,8"]), "64,32,64");

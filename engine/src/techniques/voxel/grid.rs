@@ -185,6 +185,11 @@ impl Voxels {
         &self.grid
     }
 
+    /// The axis that columns run along.
+    pub fn axis(&self) -> Axis {
+        self.axis
+    }
+
     /// Whether a voxel is set; nothing outside the grid is.
     pub fn get(&self, voxel: [u32; 3]) -> bool {
         let [i, j, k] = self.axis.order().map(|world| voxel[world]);
