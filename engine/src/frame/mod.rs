@@ -18,9 +18,14 @@ use crate::techniques::shadow::{Receivers, map_sampler};
 use crate::techniques::surface::depth::DepthPrepass;
 use crate::techniques::surface::gbuffer::{GBuffer, Precision, Surfaces};
 use crate::techniques::surface::position::Position;
-use crate::techniques::transparency::abuffer::{ABuffer, Blended, COMPACT_TRIANGLES, Composited, NodeFormat};
+use crate::techniques::transparency::OrderIndependent;
+use crate::techniques::transparency::abuffer::{ABuffer, COMPACT_TRIANGLES, Composited, NodeFormat};
+use crate::techniques::transparency::depth_peeling::DepthPeeling;
+use crate::techniques::transparency::dual_depth_peeling::DualDepthPeeling;
 use crate::techniques::transparency::forward::{ForwardLights, ForwardShadow};
+use crate::techniques::transparency::fragments::Blended;
 use crate::techniques::transparency::sorted::Sorted;
+use crate::techniques::transparency::weighted::Weighted;
 
 /// How blended surfaces are composited.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,6 +35,25 @@ pub enum Transparency {
     Sorted,
     /// Every layer of every pixel, by depth.
     ABuffer,
+    /// The same, layer by layer from the front: much slower where there are many.
+    DepthPeeling(DepthPeeling),
+    /// The same, from both ends.
+    DualDepthPeeling(DualDepthPeeling),
+    /// An average of all layers, the nearer ones with more weight.
+    Weighted(Weighted),
+}
+
+impl Transparency {
+    /// Its name in the registry of techniques.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Sorted => "sorted",
+            Self::ABuffer => "abuffer",
+            Self::DepthPeeling(_) => "depth_peeling",
+            Self::DualDepthPeeling(_) => "dual_depth_peeling",
+            Self::Weighted(_) => "weighted",
+        }
+    }
 }
 
 /// What a frame is made with.
@@ -138,11 +162,30 @@ impl FrameSettings {
         color: ImageHandle,
     ) -> (ImageHandle, Option<TransparentLayers>) {
         let view = &self.view;
-        let any = scene.draws.draws().iter().any(|draw| draw.class == DrawClass::Blend);
-        if !any || self.transparency == Transparency::Sorted {
-            return (Sorted.record(graph, scene, view, depth, lights, color), None);
+        if !scene.draws.draws().iter().any(|draw| draw.class == DrawClass::Blend) {
+            return (color, None);
         }
         let blended = Blended::new(graph, scene, *view, lights);
+        let technique: &dyn OrderIndependent = match &self.transparency {
+            Transparency::Sorted => return (Sorted.record(graph, scene, view, depth, lights, color), None),
+            Transparency::ABuffer => {
+                let (color, layers) = self.abuffer(graph, &blended, depth, color);
+                return (color, Some(layers));
+            }
+            Transparency::DepthPeeling(technique) => technique,
+            Transparency::DualDepthPeeling(technique) => technique,
+            Transparency::Weighted(technique) => technique,
+        };
+        (technique.composite(graph, view, depth, &blended, color), None)
+    }
+
+    fn abuffer<'f>(
+        &self,
+        graph: &mut Graph<'f>,
+        blended: &Blended<'_, 'f>,
+        depth: &ImageHandle,
+        color: ImageHandle,
+    ) -> (ImageHandle, TransparentLayers) {
         let format = match self.precision {
             Precision::Float => NodeFormat::Float,
             Precision::Compact if blended.triangles() > COMPACT_TRIANGLES => NodeFormat::Half,
@@ -150,8 +193,8 @@ impl FrameSettings {
         };
         // Up to a million cd/m²: highlights of the sun are beyond what nodes hold as they are.
         let abuffer = ABuffer { format, exponent: 4, memory: self.layer_memory, ..ABuffer::default() };
-        let Composited { color, count, front, report, .. } = abuffer.record(graph, view, depth, &blended, color);
-        (color, Some(TransparentLayers { count, front, report }))
+        let Composited { color, count, front, report, .. } = abuffer.record(graph, &self.view, depth, blended, color);
+        (color, TransparentLayers { count, front, report })
     }
 
     /// Shadow maps of the first directional light and of the spots, and one image with a mask a layer.

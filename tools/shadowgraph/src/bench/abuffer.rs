@@ -6,9 +6,13 @@ use shadowgraph::gpu::{Gpu, blend};
 use shadowgraph::graph::{Executor, Graph, ImageHandle, ImageShape, Load, RasterPass};
 use shadowgraph::scene::{Camera, View, depth};
 use shadowgraph::shader::Program;
-use shadowgraph::shader::generated::bench::{layers_array_frag, layers_blend_frag, layers_list_frag, layers_vert};
-use shadowgraph::shader::generated::transparency::abuffer::count_frag;
-use shadowgraph::techniques::transparency::abuffer::{ABuffer, Build, Draw, Fragments, Sizing, Step};
+use shadowgraph::shader::generated::bench::{
+    layers_array_frag, layers_blend_frag, layers_list_frag, layers_peel_both_ends_frag, layers_peel_frag, layers_vert,
+    layers_weigh_frag,
+};
+use shadowgraph::shader::generated::transparency::count_frag;
+use shadowgraph::techniques::transparency::abuffer::{ABuffer, Build, Sizing};
+use shadowgraph::techniques::transparency::fragments::{Draw, Fragments, Step};
 
 use super::Measurement;
 use crate::cli::{BenchArguments, DeviceArguments};
@@ -29,6 +33,9 @@ impl<'f> Fragments<'f> for Layers {
             Step::Count => Some(&count_frag::SHADER),
             Step::Arrays => Some(&layers_array_frag::SHADER),
             Step::Lists => Some(&layers_list_frag::SHADER),
+            Step::Peel => Some(&layers_peel_frag::SHADER),
+            Step::PeelBothEnds => Some(&layers_peel_both_ends_frag::SHADER),
+            Step::Weigh => Some(&layers_weigh_frag::SHADER),
         };
         vec![Program::new(&layers_vert::SHADER, fragment)]
     }

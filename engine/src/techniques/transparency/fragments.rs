@@ -1,21 +1,21 @@
 //! Where fragments come from.
 
+use ash::vk;
+
+use super::forward::ForwardLights;
 use crate::Result;
-use crate::gpu::Feature;
-use crate::graph::{Graph, RasterPass, Recorder};
-use crate::scene::{DrawClass, Faces, GpuScene, POSITIONS, SHADED, View, ViewSet};
-use crate::shader::Program;
-use crate::shader::generated::transparency::abuffer::{
-    array_frag, array_pulled_frag, count_frag, count_vert, list_frag, list_pulled_frag, surface_pulled_vert,
-    surface_vert,
-};
-use crate::techniques::transparency::forward::ForwardLights;
+use crate::gpu::{Feature, blend};
+use crate::graph::{Graph, ImageHandle, ImageShape, Load, RasterPass, Recorder};
+use crate::scene::{DrawClass, Faces, GpuScene, POSITIONS, SHADED, View, ViewSet, depth};
+use crate::shader::generated::transparency::abuffer::{array_frag, array_pulled_frag, list_frag, list_pulled_frag};
+use crate::shader::generated::transparency::{self as shaders, count_frag, count_vert};
+use crate::shader::{Program, Shader};
 
 /// What is drawn, each time it is needed: the same fragments in every step.
 pub trait Fragments<'f> {
-    /// Programs of a step. Their depth test is set by the A-buffer.
+    /// Programs of a step. Depth test and blending are set by the technique.
     fn programs(&self, step: Step) -> Vec<Program>;
-    /// Binds what these programs read, but for the A-buffer's own slots.
+    /// Binds what these programs read, but for the technique's own slots.
     fn bind(&self, pass: &mut RasterPass<'_, 'f>, step: Step);
     /// Draws with them.
     fn draw(&self, step: Step) -> Draw<'f>;
@@ -31,10 +31,54 @@ pub enum Step {
     Samples,
     /// Counted in each pixel: a fragment shader that gives 1.
     Count,
-    /// Appended to arrays, by `array_append.glsl`.
+    /// Appended to arrays, by `abuffer/array_append.glsl`.
     Arrays,
-    /// Appended to linked lists, by `list_append.glsl`.
+    /// Appended to linked lists, by `abuffer/list_append.glsl`.
     Lists,
+    /// The nearest that is left is composited, by `depth_peeling/peel.glsl`.
+    Peel,
+    /// The nearest and the farthest that are left are composited, by `dual_depth_peeling/peel.glsl`.
+    PeelBothEnds,
+    /// Summed up with weights, by `weighted/weigh.glsl`.
+    Weigh,
+}
+
+impl Step {
+    /// Shaders of blended materials: with the triangle's number from the hardware, and with vertices pulled.
+    fn shaders(self) -> [&'static Shader; 2] {
+        match self {
+            Self::Samples | Self::Count => [&count_frag::SHADER; 2],
+            Self::Arrays => [&array_frag::SHADER, &array_pulled_frag::SHADER],
+            Self::Lists => [&list_frag::SHADER, &list_pulled_frag::SHADER],
+            Self::Peel => {
+                [&shaders::depth_peeling::peel_frag::SHADER, &shaders::depth_peeling::peel_pulled_frag::SHADER]
+            }
+            Self::PeelBothEnds => {
+                use shaders::dual_depth_peeling::{peel_frag, peel_pulled_frag};
+                [&peel_frag::SHADER, &peel_pulled_frag::SHADER]
+            }
+            Self::Weigh => [&shaders::weighted::weigh_frag::SHADER; 2],
+        }
+    }
+}
+
+/// Fragments before the opaque depth, of each pixel, by blending: R32 float.
+pub(super) fn count<'f>(
+    graph: &mut Graph<'f>,
+    name: &str,
+    depth: &ImageHandle,
+    fragments: &dyn Fragments<'f>,
+) -> ImageHandle {
+    let name = format!("{name}.count");
+    let count = graph.image(name.clone(), ImageShape::new_2d(vk::Format::R32_SFLOAT, depth.size()));
+    let programs = fragments.programs(Step::Count).into_iter();
+    let programs = programs.map(|program| program.depth(depth::CLOSER, false).blend(blend::add()));
+    let mut pass = graph.raster(name, programs.collect());
+    fragments.bind(&mut pass, Step::Count);
+    pass.depth_test(depth);
+    let count = pass.color(count_frag::COUNT, count, Load::Clear([0.0; 4]));
+    pass.draw(fragments.draw(Step::Count));
+    count
 }
 
 /// The blended materials of a scene, shaded forward.
@@ -70,16 +114,14 @@ impl<'s, 'f> Blended<'s, 'f> {
 
 impl<'f> Fragments<'f> for Blended<'_, 'f> {
     fn programs(&self, step: Step) -> Vec<Program> {
-        let (vertex, fragment) = match (step, self.pull_vertices) {
+        let fragment = step.shaders()[usize::from(self.pull_vertices)];
+        let vertex = match (step, self.pull_vertices) {
             (Step::Samples, _) => return vec![Program::new(&count_vert::SHADER, None).vertex_buffers(POSITIONS)],
             (Step::Count, _) => {
-                let program = Program::new(&count_vert::SHADER, Some(&count_frag::SHADER));
-                return vec![program.vertex_buffers(POSITIONS)];
+                return vec![Program::new(&count_vert::SHADER, Some(fragment)).vertex_buffers(POSITIONS)];
             }
-            (Step::Arrays, false) => (&surface_vert::SHADER, &array_frag::SHADER),
-            (Step::Arrays, true) => (&surface_pulled_vert::SHADER, &array_pulled_frag::SHADER),
-            (Step::Lists, false) => (&surface_vert::SHADER, &list_frag::SHADER),
-            (Step::Lists, true) => (&surface_pulled_vert::SHADER, &list_pulled_frag::SHADER),
+            (_, false) => &shaders::surface_vert::SHADER,
+            (_, true) => &shaders::surface_pulled_vert::SHADER,
         };
         let mut program = Program::new(vertex, Some(fragment));
         if !self.pull_vertices {
