@@ -24,7 +24,10 @@ use crate::techniques::transparency::depth_peeling::DepthPeeling;
 use crate::techniques::transparency::dual_depth_peeling::DualDepthPeeling;
 use crate::techniques::transparency::forward::{ForwardLights, ForwardShadow};
 use crate::techniques::transparency::fragments::Blended;
+use crate::techniques::transparency::kbuffer::KBuffer;
+use crate::techniques::transparency::moments::Moments;
 use crate::techniques::transparency::sorted::Sorted;
+use crate::techniques::transparency::stochastic::Stochastic;
 use crate::techniques::transparency::weighted::Weighted;
 
 /// How blended surfaces are composited.
@@ -41,6 +44,12 @@ pub enum Transparency {
     DualDepthPeeling(DualDepthPeeling),
     /// An average of all layers, the nearer ones with more weight.
     Weighted(Weighted),
+    /// The nearest layers exactly, behind them an average.
+    KBuffer(KBuffer),
+    /// All layers, as visible as four moments of what hides them tell.
+    Moments(Moments),
+    /// All layers, as visible as random samples tell.
+    Stochastic(Stochastic),
 }
 
 impl Transparency {
@@ -52,6 +61,9 @@ impl Transparency {
             Self::DepthPeeling(_) => "depth_peeling",
             Self::DualDepthPeeling(_) => "dual_depth_peeling",
             Self::Weighted(_) => "weighted",
+            Self::KBuffer(_) => "kbuffer",
+            Self::Moments(_) => "moments",
+            Self::Stochastic(_) => "stochastic",
         }
     }
 }
@@ -175,6 +187,9 @@ impl FrameSettings {
             Transparency::DepthPeeling(technique) => technique,
             Transparency::DualDepthPeeling(technique) => technique,
             Transparency::Weighted(technique) => technique,
+            Transparency::KBuffer(technique) => technique,
+            Transparency::Moments(technique) => technique,
+            Transparency::Stochastic(technique) => technique,
         };
         (technique.composite(graph, view, depth, &blended, color), None)
     }

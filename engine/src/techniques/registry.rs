@@ -41,8 +41,23 @@ pub static TECHNIQUES: &[Technique] = &[
     },
     Technique {
         family: "transparency",
+        name: "kbuffer",
+        summary: "blended materials, the nearest layers exact, an average of the others behind them",
+    },
+    Technique {
+        family: "transparency",
+        name: "moments",
+        summary: "blended materials, as visible as four moments of absorbance tell",
+    },
+    Technique {
+        family: "transparency",
         name: "sorted",
         summary: "blended materials, forward-shaded, sorted by object",
+    },
+    Technique {
+        family: "transparency",
+        name: "stochastic",
+        summary: "blended materials, as visible as random samples tell",
     },
     Technique {
         family: "transparency",

@@ -1,14 +1,11 @@
 // Sums up layers with weights that fall with distance (McGuire and Bavoil 2013, "Weighted blended order-independent
-// transparency"). Colours add up; the alpha of the first target is multiplied by 1 - alpha: one blend state serves both
-// targets.
+// transparency").
 #include "transparency/distance.glsl"
+#include "transparency/sums.glsl"
 
 layout(early_fragment_tests) in;
 
 layout(constant_id = 3) const uint EQUATION = 7u;
-
-layout(location = 0) out vec4 sums; // weighted colours; what all layers let through
-layout(location = 1) out float weights; // weighted alphas
 
 // The paper's weights, by the number of their equation, for alpha 1.
 float layer_weight(float depth) {
@@ -24,7 +21,5 @@ float layer_weight(float depth) {
 }
 
 void weigh(vec4 color) {
-    float weight = color.a * layer_weight(gl_FragCoord.z);
-    sums = vec4(color.rgb * weight, color.a);
-    weights = color.a * weight;
+    add_layer(color, color.a * layer_weight(gl_FragCoord.z));
 }

@@ -131,6 +131,13 @@ pub enum TransparencyKind {
     DualDepthPeeling,
     /// All layers averaged, the nearer ones with more weight.
     Weighted,
+    /// The four nearest layers of every pixel, and an average of all others behind them.
+    #[value(name = "kbuffer")]
+    KBuffer,
+    /// All layers, as visible as four moments of what hides them tell.
+    Moments,
+    /// All layers, as visible as eight random samples tell.
+    Stochastic,
 }
 
 impl From<TransparencyKind> for Transparency {
@@ -141,6 +148,9 @@ impl From<TransparencyKind> for Transparency {
             TransparencyKind::DepthPeeling => Self::DepthPeeling(Default::default()),
             TransparencyKind::DualDepthPeeling => Self::DualDepthPeeling(Default::default()),
             TransparencyKind::Weighted => Self::Weighted(Default::default()),
+            TransparencyKind::KBuffer => Self::KBuffer(Default::default()),
+            TransparencyKind::Moments => Self::Moments(Default::default()),
+            TransparencyKind::Stochastic => Self::Stochastic(Default::default()),
         }
     }
 }

@@ -1,13 +1,14 @@
 //! Where fragments come from.
 
 use ash::vk;
+use glam::Vec3;
 
 use super::forward::ForwardLights;
 use crate::Result;
+use crate::geometry::Aabb;
 use crate::gpu::{Feature, blend};
 use crate::graph::{Graph, ImageHandle, ImageShape, Load, RasterPass, Recorder};
 use crate::scene::{DrawClass, Faces, GpuScene, POSITIONS, SHADED, View, ViewSet, depth};
-use crate::shader::generated::transparency::abuffer::{array_frag, array_pulled_frag, list_frag, list_pulled_frag};
 use crate::shader::generated::transparency::{self as shaders, count_frag, count_vert};
 use crate::shader::{Program, Shader};
 
@@ -19,6 +20,8 @@ pub trait Fragments<'f> {
     fn bind(&self, pass: &mut RasterPass<'_, 'f>, step: Step);
     /// Draws with them.
     fn draw(&self, step: Step) -> Draw<'f>;
+    /// Distances along the view axis that all fragments lie between, metres.
+    fn distances(&self) -> [f32; 2];
 }
 
 /// Records draws.
@@ -41,24 +44,65 @@ pub enum Step {
     PeelBothEnds,
     /// Summed up with weights, by `weighted/weigh.glsl`.
     Weigh,
+    /// The nearest depths are kept, by `kbuffer/keep_depths.glsl`.
+    KeepDepths,
+    /// Which triangles have these, by `kbuffer/keep_tags.glsl`.
+    KeepTags,
+    /// Their colours are kept and all others summed up, by `kbuffer/keep_colors.glsl`.
+    KeepColors,
+    /// Their absorbance is summed up with its moments, by `moments/add_moments.glsl`.
+    AddMoments,
+    /// Summed up as visible as the moments tell, by `moments/add_colors.glsl`.
+    AddByMoments,
+    /// Samples keep the nearest depth, by `stochastic/sample_depths.glsl`.
+    SampleDepths,
+    /// Summed up as visible as the samples tell, by `stochastic/add_colors.glsl`.
+    AddBySamples,
+}
+
+/// What shaders of a step read besides the technique's slots.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Needs {
+    Positions,
+    TriangleNumbers,
+    /// The material's.
+    Alpha,
+    Shading,
 }
 
 impl Step {
-    /// Shaders of blended materials: with the triangle's number from the hardware, and with vertices pulled.
-    fn shaders(self) -> [&'static Shader; 2] {
+    fn needs(self) -> Needs {
         match self {
-            Self::Samples | Self::Count => [&count_frag::SHADER; 2],
-            Self::Arrays => [&array_frag::SHADER, &array_pulled_frag::SHADER],
-            Self::Lists => [&list_frag::SHADER, &list_pulled_frag::SHADER],
-            Self::Peel => {
-                [&shaders::depth_peeling::peel_frag::SHADER, &shaders::depth_peeling::peel_pulled_frag::SHADER]
-            }
-            Self::PeelBothEnds => {
-                use shaders::dual_depth_peeling::{peel_frag, peel_pulled_frag};
-                [&peel_frag::SHADER, &peel_pulled_frag::SHADER]
-            }
-            Self::Weigh => [&shaders::weighted::weigh_frag::SHADER; 2],
+            Self::Samples | Self::Count | Self::KeepDepths => Needs::Positions,
+            Self::KeepTags => Needs::TriangleNumbers,
+            Self::AddMoments | Self::SampleDepths => Needs::Alpha,
+            _ => Needs::Shading,
         }
+    }
+
+    /// Shaders of blended materials: with the triangle's number from the hardware, and with vertices pulled.
+    fn shaders(self) -> Option<[&'static Shader; 2]> {
+        use shaders::{abuffer, depth_peeling, dual_depth_peeling, kbuffer, moments, stochastic, weighted};
+        Some(match self {
+            Self::Samples => return None,
+            Self::Count => [&count_frag::SHADER; 2],
+            Self::Arrays => [&abuffer::array_frag::SHADER, &abuffer::array_pulled_frag::SHADER],
+            Self::Lists => [&abuffer::list_frag::SHADER, &abuffer::list_pulled_frag::SHADER],
+            Self::Peel => [&depth_peeling::peel_frag::SHADER, &depth_peeling::peel_pulled_frag::SHADER],
+            Self::PeelBothEnds => {
+                [&dual_depth_peeling::peel_frag::SHADER, &dual_depth_peeling::peel_pulled_frag::SHADER]
+            }
+            Self::Weigh => [&weighted::weigh_frag::SHADER; 2],
+            Self::KeepDepths => [&kbuffer::keep_depths_frag::SHADER; 2],
+            Self::KeepTags => [&kbuffer::keep_tags_frag::SHADER, &kbuffer::keep_tags_pulled_frag::SHADER],
+            Self::KeepColors => [&kbuffer::keep_colors_frag::SHADER, &kbuffer::keep_colors_pulled_frag::SHADER],
+            Self::AddMoments => [&moments::add_moments_frag::SHADER; 2],
+            Self::AddByMoments => [&moments::add_colors_frag::SHADER; 2],
+            Self::SampleDepths => {
+                [&stochastic::sample_depths_frag::SHADER, &stochastic::sample_depths_pulled_frag::SHADER]
+            }
+            Self::AddBySamples => [&stochastic::add_colors_frag::SHADER; 2],
+        })
     }
 }
 
@@ -114,45 +158,57 @@ impl<'s, 'f> Blended<'s, 'f> {
 
 impl<'f> Fragments<'f> for Blended<'_, 'f> {
     fn programs(&self, step: Step) -> Vec<Program> {
-        let fragment = step.shaders()[usize::from(self.pull_vertices)];
-        let vertex = match (step, self.pull_vertices) {
-            (Step::Samples, _) => return vec![Program::new(&count_vert::SHADER, None).vertex_buffers(POSITIONS)],
-            (Step::Count, _) => {
-                return vec![Program::new(&count_vert::SHADER, Some(fragment)).vertex_buffers(POSITIONS)];
-            }
-            (_, false) => &shaders::surface_vert::SHADER,
-            (_, true) => &shaders::surface_pulled_vert::SHADER,
-        };
-        let mut program = Program::new(vertex, Some(fragment));
-        if !self.pull_vertices {
-            program = program.vertex_buffers(SHADED);
+        let fragment = step.shaders().map(|shaders| shaders[usize::from(self.pull_vertices)]);
+        if step.needs() == Needs::Positions {
+            return vec![Program::new(&count_vert::SHADER, fragment).vertex_buffers(POSITIONS)];
         }
-        self.lights.programs(&program, self.scene, &self.texture_sets())
+        let program = match self.pull_vertices {
+            true => Program::new(&shaders::surface_pulled_vert::SHADER, fragment),
+            false => Program::new(&shaders::surface_vert::SHADER, fragment).vertex_buffers(SHADED),
+        };
+        match step.needs() {
+            Needs::Alpha | Needs::Shading => self.lights.programs(&program, self.scene, &self.texture_sets()),
+            Needs::Positions | Needs::TriangleNumbers => vec![program],
+        }
     }
 
     fn bind(&self, pass: &mut RasterPass<'_, 'f>, step: Step) {
         let views = ViewSet::from(self.view);
-        if matches!(step, Step::Samples | Step::Count) {
-            pass.uniform(count_vert::VIEWS, &views.block()).constant(count_vert::INSTANCES, &self.scene.instances);
-            return;
+        match step.needs() {
+            Needs::Shading => self.lights.bind(pass, self.scene, &views),
+            _ => {
+                pass.uniform(count_vert::VIEWS, &views.block()).constant(count_vert::INSTANCES, &self.scene.instances);
+            }
         }
-        self.lights.bind(pass, self.scene, &views);
-        if self.pull_vertices {
+        if self.pull_vertices && step.needs() != Needs::Positions {
             self.scene.bind_pulled(pass);
         }
+    }
+
+    fn distances(&self) -> [f32; 2] {
+        let blended = self.scene.draws.draws().iter().filter(|draw| draw.class == DrawClass::Blend);
+        let Some(bounds) = blended.map(|draw| draw.bounds).reduce(Aabb::union) else { return [1.0; 2] };
+        let distances = bounds.corners().map(|corner| -self.view.view_from_world.transform_point3(corner).z);
+        let ends = distances.iter().fold([f32::INFINITY, 0.0], |[near, far], d| [d.min(near), d.max(far)]);
+        // What is nearer than the near plane is not seen.
+        let inverse = self.view.clip_from_view.inverse();
+        let near_plane = -inverse.project_point3(Vec3::Z).z;
+        [ends[0].max(near_plane), ends[1].max(near_plane)]
     }
 
     fn draw(&self, step: Step) -> Draw<'f> {
         let (scene, pull) = (self.scene, self.pull_vertices);
         let draws = scene.draws.visible(DrawClass::Blend, &ViewSet::from(self.view).frusta());
-        if matches!(step, Step::Samples | Step::Count) {
+        if step.needs() == Needs::Positions {
             return Box::new(move |recorder| {
                 recorder.push(&0u32);
                 scene.draw(recorder, Faces::Material, &draws);
                 Ok(())
             });
         }
-        let texture_sets = self.texture_sets();
+        // Without materials there is one program for all.
+        let materials = matches!(step.needs(), Needs::Alpha | Needs::Shading);
+        let texture_sets = if materials { self.texture_sets() } else { Vec::new() };
         Box::new(move |recorder| {
             scene.draw_by_textures(recorder, &texture_sets, &draws, pull);
             Ok(())

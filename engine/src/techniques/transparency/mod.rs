@@ -5,8 +5,12 @@ pub mod depth_peeling;
 pub mod dual_depth_peeling;
 pub mod forward;
 pub mod fragments;
+pub mod kbuffer;
+pub mod moments;
 mod peeling;
 pub mod sorted;
+pub mod stochastic;
+mod sums;
 pub mod weighted;
 
 use self::fragments::Fragments;

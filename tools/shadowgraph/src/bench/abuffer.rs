@@ -6,10 +6,7 @@ use shadowgraph::gpu::{Gpu, blend};
 use shadowgraph::graph::{Executor, Graph, ImageHandle, ImageShape, Load, RasterPass};
 use shadowgraph::scene::{Camera, View, depth};
 use shadowgraph::shader::Program;
-use shadowgraph::shader::generated::bench::{
-    layers_array_frag, layers_blend_frag, layers_list_frag, layers_peel_both_ends_frag, layers_peel_frag, layers_vert,
-    layers_weigh_frag,
-};
+use shadowgraph::shader::generated::bench::{self as shaders, layers_blend_frag, layers_vert};
 use shadowgraph::shader::generated::transparency::count_frag;
 use shadowgraph::techniques::transparency::abuffer::{ABuffer, Build, Sizing};
 use shadowgraph::techniques::transparency::fragments::{Draw, Fragments, Step};
@@ -20,6 +17,8 @@ use crate::failure::Result;
 use crate::session;
 
 const LAYERS: [u32; 8] = [1, 2, 4, 8, 16, 32, 64, 128];
+/// Near plane, metres.
+const NEAR: f32 = 0.1;
 const SIDES: [u32; 4] = [128, 256, 512, 1024];
 
 /// Layers over the whole picture.
@@ -31,11 +30,18 @@ impl<'f> Fragments<'f> for Layers {
         let fragment = match step {
             Step::Samples => None,
             Step::Count => Some(&count_frag::SHADER),
-            Step::Arrays => Some(&layers_array_frag::SHADER),
-            Step::Lists => Some(&layers_list_frag::SHADER),
-            Step::Peel => Some(&layers_peel_frag::SHADER),
-            Step::PeelBothEnds => Some(&layers_peel_both_ends_frag::SHADER),
-            Step::Weigh => Some(&layers_weigh_frag::SHADER),
+            Step::Arrays => Some(&shaders::layers_array_frag::SHADER),
+            Step::Lists => Some(&shaders::layers_list_frag::SHADER),
+            Step::Peel => Some(&shaders::layers_peel_frag::SHADER),
+            Step::PeelBothEnds => Some(&shaders::layers_peel_both_ends_frag::SHADER),
+            Step::Weigh => Some(&shaders::layers_weigh_frag::SHADER),
+            Step::KeepDepths => Some(&shaders::layers_keep_depths_frag::SHADER),
+            Step::KeepTags => Some(&shaders::layers_keep_tags_frag::SHADER),
+            Step::KeepColors => Some(&shaders::layers_keep_colors_frag::SHADER),
+            Step::AddMoments => Some(&shaders::layers_add_moments_frag::SHADER),
+            Step::AddByMoments => Some(&shaders::layers_add_by_moments_frag::SHADER),
+            Step::SampleDepths => Some(&shaders::layers_sample_depths_frag::SHADER),
+            Step::AddBySamples => Some(&shaders::layers_add_by_samples_frag::SHADER),
         };
         vec![Program::new(&layers_vert::SHADER, fragment)]
     }
@@ -49,6 +55,11 @@ impl<'f> Fragments<'f> for Layers {
             recorder.draw(0..3, 0..layers);
             Ok(())
         })
+    }
+
+    fn distances(&self) -> [f32; 2] {
+        // Depths from one near plane on.
+        [NEAR, NEAR * (1 << 24) as f32]
     }
 }
 
@@ -201,5 +212,5 @@ fn composited(graph: &mut Graph, build: Build, layers: Layers, depth: &ImageHand
 
 /// Only how far layers are depends on it.
 fn view(size: [u32; 2]) -> View {
-    Camera::look_at(Vec3::Z, Vec3::ZERO, Vec3::Y, 1.0, 0.1).view(size)
+    Camera::look_at(Vec3::Z, Vec3::ZERO, Vec3::Y, 1.0, NEAR).view(size)
 }
