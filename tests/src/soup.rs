@@ -1,7 +1,5 @@
 //! Soups of blended triangles whose vertices lie on the grid of 1/256 pixel, and what the A-buffer makes of them.
 
-use std::time::Duration;
-
 use glam::{DVec4, Mat4, Vec3, Vec4};
 use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::{Executed, Executor, Graph, ImageHandle, ImageShape};
@@ -71,17 +69,6 @@ pub struct Found {
     pub counter: Option<u32>,
     /// Samples that an occlusion query counted.
     pub samples: Option<u64>,
-}
-
-/// What a technique made, and what that took.
-#[derive(Clone, Debug)]
-pub struct Measured {
-    /// The picture.
-    pub color: Vec<[f32; 4]>,
-    /// Time on the device.
-    pub running: Duration,
-    /// Bytes of the frame's heaps.
-    pub bytes: u64,
 }
 
 /// Numbers from a seed (Marsaglia 2003, "Xorshift RNGs").
@@ -362,11 +349,6 @@ impl<'g> Kitchen<'g> {
 
     /// Runs any technique over it: the picture.
     pub fn composite(&mut self, how: &dyn OrderIndependent, pull: bool) -> shadowgraph::Result<Vec<[f32; 4]>> {
-        Ok(self.measure(how, pull)?.color)
-    }
-
-    /// The same, with what it takes.
-    pub fn measure(&mut self, how: &dyn OrderIndependent, pull: bool) -> shadowgraph::Result<Measured> {
         let mut graph = Graph::new("soup", self.gpu.caps());
         let view = self.view;
         let color = record(&mut graph, (&self.scene, view), pull, |graph, depth, blended, color| {
@@ -374,10 +356,7 @@ impl<'g> Kitchen<'g> {
         });
         graph.capture("color", &color);
         let plan = graph.compile(self.gpu).map_err(shadowgraph::Error::from)?;
-        let first = plan.statistics.heap_bytes;
-        let executed = self.executor.execute(&plan, graph)?;
-        let bytes = executed.later.iter().map(|segment| segment.plan.statistics.heap_bytes).fold(first, u64::max);
-        Ok(Measured { color: texels(&executed, "color")?, running: executed.running, bytes })
+        texels(&self.executor.execute(&plan, graph)?, "color")
     }
 }
 
