@@ -13,6 +13,9 @@ const CHUNK: u32 = 256;
 /// Rounds before the first layer is known: `peeling.glsl`.
 const AHEAD: u32 = 2;
 
+/// Most layers that can be asked for: each round is two passes of the frame.
+const MOST_LAYERS: u32 = 4096;
+
 /// Rounds of peeling, as many as may be needed.
 pub(super) struct Rounds {
     name: &'static str,
@@ -36,7 +39,7 @@ impl Rounds {
         layers: u32,
         layers_a_round: u32,
     ) -> Self {
-        let size = depth.size();
+        let (size, layers) = (depth.size(), layers.min(MOST_LAYERS));
         let count = count(graph, name, depth, fragments);
         let most = graph.buffer(format!("{name}.most"), size_of::<blocks::MostLayers>() as u64);
         let most = graph.fill(format!("{name}.most.begin"), most, 0);

@@ -16,7 +16,7 @@ const NAME: &str = "depth_peeling";
 /// Depth peeling, from the front.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DepthPeeling {
-    /// Most layers of a pixel. A frame with more fails, and says how many there are.
+    /// Most layers of a pixel, up to 4096. A frame with more fails, and says how many there are.
     pub layers: u32,
 }
 

@@ -16,7 +16,7 @@ const NAME: &str = "dual_depth_peeling";
 /// Depth peeling, from both ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DualDepthPeeling {
-    /// Most layers of a pixel. A frame with more fails, and says how many there are.
+    /// Most layers of a pixel, up to 4096. A frame with more fails, and says how many there are.
     pub layers: u32,
 }
 
