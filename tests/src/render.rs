@@ -1,8 +1,8 @@
 //! Pictures of scenes to be compared: what is shown, from where, and what the engine makes of it.
 
 use glam::Vec3;
-use shadowgraph::capture::{self, FrameCapture};
-use shadowgraph::frame::{FrameSettings, Selection};
+use shadowgraph::capture::{self, CapturedFrame, DeepPicture, FrameCapture};
+use shadowgraph::frame::{Frame, FrameSettings, Selection};
 use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::{Executed, Executor, Graph};
 use shadowgraph::scene::{AlphaMode, Camera, GpuScene, Light, LightKind, Projection, Scene, View};
@@ -85,6 +85,27 @@ impl Subject {
 
     /// The frame, all layers, through 32-bit floats, its parts as a file would hold them.
     pub fn capture(&self, gpu: &Gpu, change: impl FnOnce(&mut FrameSettings)) -> ExrFile {
+        self.captured(gpu, change, |request, frame, executed| self.parts(request.collect(frame, executed)))
+    }
+
+    /// The deep picture of the frame, and the frame.
+    pub fn capture_deep(&self, gpu: &Gpu, change: impl FnOnce(&mut FrameSettings)) -> (DeepPicture, ExrFile) {
+        let change = |settings: &mut FrameSettings| {
+            settings.deep = true;
+            change(settings);
+        };
+        self.captured(gpu, change, |request, frame, executed| {
+            let deep = request.collect_deep(frame, executed).unwrap_or_else(|error| panic!("{}: {error}", self.name));
+            (deep, self.parts(request.collect(frame, executed)))
+        })
+    }
+
+    fn captured<R>(
+        &self,
+        gpu: &Gpu,
+        change: impl FnOnce(&mut FrameSettings),
+        collect: impl FnOnce(&FrameCapture<()>, &Frame, &Executed) -> R,
+    ) -> R {
         let mut settings = FrameSettings::new(self.view());
         settings.precision = Precision::Float;
         change(&mut settings);
@@ -102,7 +123,11 @@ impl Subject {
             exposure: 1.0,
             reproducible: true,
         };
-        let captured = request.collect(&frame, &executed).unwrap_or_else(|error| panic!("{}: {error}", self.name));
+        collect(&request, &frame, &executed)
+    }
+
+    fn parts(&self, captured: shadowgraph::Result<CapturedFrame>) -> ExrFile {
+        let captured = captured.unwrap_or_else(|error| panic!("{}: {error}", self.name));
         ExrFile { parts: captured.capture.parts.into_iter().map(part).collect() }
     }
 

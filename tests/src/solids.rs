@@ -1,15 +1,16 @@
 //! Solids to voxelize, and a picture of their voxels.
 
-use glam::{EulerRot, Mat4, Quat, Vec3};
+use glam::{DVec3, EulerRot, Mat4, Quat, Vec3};
 use shadowgraph::Result;
 use shadowgraph::geometry::Aabb;
 use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::{GpuScene, Primitive, Scene};
-use shadowgraph::techniques::voxel::{Grid, VoxelBits, Voxels};
+use shadowgraph::techniques::voxel::bitmask::Bitmask;
+use shadowgraph::techniques::voxel::{Axis, FillRule, Grid, VoxelBits, Voxels};
 
-use crate::figures::Picture;
-use crate::{harness, tiny};
+use crate::figures::{Figure, Picture};
+use crate::{harness, tiny, twin};
 
 /// The voxels that a technique finds.
 pub fn voxelize(
@@ -35,6 +36,58 @@ pub fn mistakes(voxels: &Voxels, must: &[bool], may: &[bool]) -> [usize; 3] {
     let bytes = voxels.bytes();
     let count = |wrong: &dyn Fn(usize) -> bool| (0..bytes.len()).filter(|&i| wrong(i)).count();
     [count(&|i| must[i] && bytes[i] == 0), count(&|i| !may[i] && bytes[i] == 1), count(&|i| bytes[i] == 1)]
+}
+
+/// What a rasteriser may do to a surface, in voxels: it snaps vertices to 1/256 of a pixel.
+const NEAR: f64 = 1.0 / 128.0;
+
+/// Voxels that agree with what is inside, that differ where a triangle is at most 1/128 voxel away, and that differ
+/// elsewhere. `triangles` in grid coordinates, `inside` as `[z][y][x]`.
+pub fn compare(voxels: &Voxels, triangles: &[[DVec3; 3]], inside: &[bool]) -> [usize; 3] {
+    let [nx, ny, _] = voxels.grid().size().map(|n| n as usize);
+    let mut counts = [0; 3];
+    for (index, (&found, &inside)) in voxels.bytes().iter().zip(inside).enumerate() {
+        let center = DVec3::new((index % nx) as f64, (index / nx % ny) as f64, (index / nx / ny) as f64) + 0.5;
+        let agrees = (found == 1) == inside;
+        counts[if agrees { 0 } else { 1 + usize::from(!twin::voxel::is_near(center, triangles, NEAR)) }] += 1;
+    }
+    counts
+}
+
+/// Figures of a technique that counts both faces, over [`closed`] at 32, 64, 128 and 256: by the non-zero rule against
+/// winding numbers along rays, by the even-odd rule against the bits of [`Bitmask`].
+pub fn by_both_rules(gpu: &Gpu, find: impl Fn(&Scene, &Grid, Axis, FillRule) -> Voxels) -> Vec<Figure> {
+    let mut figures = Vec::new();
+    for scene in closed() {
+        let [mut compared, mut left_out] = [0; 2];
+        for (resolution, axis) in [(32, Axis::X), (64, Axis::Y), (128, Axis::Z), (256, Axis::X)] {
+            let name = format!("{} at {resolution} along {axis:?}", scene.name);
+            let grid = Grid::around(&bounds(&scene), resolution).unwrap_or_else(|error| panic!("{error}"));
+            let triangles = twin::voxel::in_grid(&scene, &grid);
+            let wound: Vec<_> =
+                twin::voxel::windings(&triangles, grid.size()).into_iter().map(|winding| winding != 0).collect();
+            let voxels = find(&scene, &grid, axis, FillRule::NonZero);
+            let [agree, near, far] = compare(&voxels, &triangles, &wound);
+            println!("{name}: {} set, {agree} agree, {near} differ near, {far} far", voxels.count());
+            // The cube's faces lie on voxel centres, where either answer is right.
+            let most = if scene.name == "cube" { 8 } else { 100 };
+            assert!(far == 0 && voxels.count() > 0 && near < agree / most, "{name}: {far} voxels");
+            let bitmask = voxelize(gpu, &scene, &grid, |graph, scene| {
+                Bitmask { axis, ..Bitmask::default() }.record(graph, scene, &grid)
+            });
+            assert!(find(&scene, &grid, axis, FillRule::EvenOdd) == bitmask, "{name}: not the bits of the bitmask");
+            // Where no solid overlaps itself or another, both rules say the same.
+            let overlaps = ["200 tetrahedra", "AnalyticSolids", "Boot", "Spot"].contains(&scene.name.as_str());
+            assert!(overlaps || voxels == bitmask, "{name}: the rules differ");
+            (compared, left_out) = (compared + agree + near, left_out + near);
+        }
+        figures.push(Figure {
+            what: format!("{}: voxels at 32, 64, 128, 256", scene.name),
+            value: format!("0 of {compared} differ, {left_out} left out; even-odd: the bitmask's bits"),
+            bound: "none differs; left out within 1/128 voxel of a surface; equal bits".into(),
+        });
+    }
+    figures
 }
 
 /// World-space bounds of all vertices.
@@ -98,6 +151,34 @@ pub fn soup(count: usize) -> Primitive {
 /// A rotation that no axis of the grid survives.
 pub fn awkward() -> Mat4 {
     Mat4::from_quat(Quat::from_euler(EulerRot::YXZ, 0.7313, 0.4127, 1.1931))
+}
+
+/// Closed solids that hurt.
+pub fn closed() -> Vec<Scene> {
+    let cuboid = |size: Vec3| tiny::cuboid(-0.5 * size, 0.5 * size, 0);
+    let mut scenes = vec![
+        one("sphere", vec![(tiny::sphere(64, 32, 0), Mat4::IDENTITY)]),
+        one("torus, turned", vec![(torus(64, 32), awkward())]),
+        one("cube", vec![(cuboid(Vec3::ONE), Mat4::IDENTITY)]),
+        one("thin plate, turned", vec![(cuboid(Vec3::new(1.0, 1.0, 0.02)), awkward())]),
+        one("needle, turned", vec![(cuboid(Vec3::new(1.0, 0.01, 0.01)), awkward())]),
+        one("200 tetrahedra", vec![(soup(200), Mat4::IDENTITY)]),
+        one("mirrored torus", vec![(torus(48, 24), Mat4::from_scale(Vec3::new(-1.0, 0.8, 1.1)) * awkward())]),
+    ];
+    for file in ["AnalyticSolids/AnalyticSolids.glb", "Boot/Boot.glb", "Spot/Spot.gltf"] {
+        if let Some(path) = harness::require_scene(file) {
+            scenes.push(Scene::load(&path).unwrap_or_else(|error| panic!("{error}")));
+        }
+    }
+    scenes
+}
+
+/// Two cubes of 8³ voxels in a grid of 16³ that have 4³ of them in common; the second one is mirrored.
+pub fn overlapping_cubes() -> (Scene, Grid) {
+    let cube = tiny::cuboid(Vec3::ZERO, Vec3::splat(8.0), 0);
+    let mirrored = Mat4::from_translation(Vec3::new(14.0, 6.0, 6.0)) * Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0));
+    let scene = one("two cubes", vec![(cube.clone(), Mat4::from_translation(Vec3::splat(2.0))), (cube, mirrored)]);
+    (scene, Grid::new(Vec3::ZERO, 1.0, [16; 3]).unwrap_or_else(|error| panic!("{error}")))
 }
 
 /// Surfaces that hurt: closed and open ones, slivers, triangles without area.

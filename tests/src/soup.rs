@@ -324,7 +324,7 @@ impl<'g> Kitchen<'g> {
     pub fn run(&mut self, abuffer: ABuffer, pull_vertices: bool) -> shadowgraph::Result<Found> {
         let mut graph = Graph::new("soup", self.gpu.caps());
         let view = self.view;
-        let Composited { color, count, front, report, totals, counter } =
+        let Composited { color, count, front, report, totals, counter, .. } =
             record(&mut graph, (&self.scene, view), pull_vertices, |graph, depth, blended, color| {
                 abuffer.record(graph, &view, depth, blended, color)
             });

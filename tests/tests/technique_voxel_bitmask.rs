@@ -1,7 +1,7 @@
 //! Solid voxels from one pass of XOR against parity along rays.
 #![allow(missing_docs, clippy::unwrap_used)]
 
-use glam::{DVec3, Mat4, Vec3};
+use glam::{Mat4, Vec3};
 use shadowgraph::gpu::Gpu;
 use shadowgraph::scene::{Primitive, Scene};
 use shadowgraph::techniques::voxel::bitmask::{Bitmask, Combine};
@@ -12,52 +12,21 @@ use shadowgraph_tests::harness;
 use shadowgraph_tests::solids::{self, awkward, bounds, front, one, soup, torus};
 use shadowgraph_tests::{tiny, twin};
 
-/// What a rasteriser may do to a surface: it snaps vertices to 1/256 of a pixel.
-const NEAR: f64 = 1.0 / 128.0;
-
 fn voxelize(gpu: &Gpu, scene: &Scene, grid: &Grid, technique: Bitmask) -> Voxels {
     solids::voxelize(gpu, scene, grid, |graph, scene| technique.record(graph, scene, grid))
 }
 
-/// Voxels that agree, that differ where the surface is at most [`NEAR`], and that differ elsewhere.
+/// As [`solids::compare`], with what rays say of a scene.
 fn compare(voxels: &Voxels, truth: &Scene) -> [usize; 3] {
-    let grid = voxels.grid();
-    let triangles = twin::voxel::in_grid(truth, grid);
-    let inside = twin::voxel::solid(&triangles, grid.size());
-    let [nx, ny, _] = grid.size().map(|n| n as usize);
-    let mut counts = [0; 3];
-    for (index, (&found, &inside)) in voxels.bytes().iter().zip(&inside).enumerate() {
-        let center = DVec3::new((index % nx) as f64, (index / nx % ny) as f64, (index / nx / ny) as f64) + 0.5;
-        let agrees = (found == 1) == inside;
-        counts[if agrees { 0 } else { 1 + usize::from(!twin::voxel::is_near(center, &triangles, NEAR)) }] += 1;
-    }
-    counts
-}
-
-fn scenes() -> Vec<Scene> {
-    let cuboid = |size: Vec3| tiny::cuboid(-0.5 * size, 0.5 * size, 0);
-    let mut scenes = vec![
-        one("sphere", vec![(tiny::sphere(64, 32, 0), Mat4::IDENTITY)]),
-        one("torus, turned", vec![(torus(64, 32), awkward())]),
-        one("cube", vec![(cuboid(Vec3::ONE), Mat4::IDENTITY)]),
-        one("thin plate, turned", vec![(cuboid(Vec3::new(1.0, 1.0, 0.02)), awkward())]),
-        one("needle, turned", vec![(cuboid(Vec3::new(1.0, 0.01, 0.01)), awkward())]),
-        one("200 tetrahedra", vec![(soup(200), Mat4::IDENTITY)]),
-        one("mirrored torus", vec![(torus(48, 24), Mat4::from_scale(Vec3::new(-1.0, 0.8, 1.1)) * awkward())]),
-    ];
-    for file in ["AnalyticSolids/AnalyticSolids.glb", "Boot/Boot.glb", "Spot/Spot.gltf"] {
-        if let Some(path) = harness::require_scene(file) {
-            scenes.push(Scene::load(&path).unwrap());
-        }
-    }
-    scenes
+    let triangles = twin::voxel::in_grid(truth, voxels.grid());
+    solids::compare(voxels, &triangles, &twin::voxel::solid(&triangles, voxels.grid().size()))
 }
 
 #[test]
 fn voxel_bitmask_agrees_with_its_reference() {
     let gpu = shared();
     let mut rows = Vec::new();
-    for scene in scenes() {
+    for scene in solids::closed() {
         for (resolution, axis) in [(32, Axis::X), (64, Axis::Y), (128, Axis::Z), (256, Axis::X)] {
             let grid = Grid::around(&bounds(&scene), resolution).unwrap();
             let [bit, masks, targets] = [Combine::Bit, Combine::Masks, Combine::LogicOp]

@@ -107,7 +107,7 @@ impl<S: Serialize + Sync> FrameCapture<'_, S> {
         }
     }
 
-    fn metadata(
+    pub(super) fn metadata(
         &self,
         frame: &Frame,
         executed: &Executed,

@@ -3,9 +3,28 @@
 use super::{Shadows, Surfaces, TransparentLayers};
 use crate::graph::{Graph, ImageHandle};
 use crate::scene::GpuScene;
+use crate::techniques::transparency::abuffer::ABuffer;
 
 /// Name of the capture that says what the A-buffer could not hold: a `blocks::ABufferReport`.
 pub const ABUFFER_REPORT: &str = "abuffer.report";
+
+/// Captures that [`crate::capture::DeepPicture`] is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Deep {
+    /// Which A-buffer left the nodes; none where nothing blends.
+    pub abuffer: Option<ABuffer>,
+}
+
+impl Deep {
+    /// Colour of the opaque surfaces, R32G32B32A32 float.
+    pub const OPAQUE: &str = "deep.opaque";
+    /// Their positions, as [`crate::techniques::surface::position`] has them.
+    pub const POSITION: &str = "deep.position";
+    /// Blended layers of each pixel, R32 float.
+    pub const COUNT: &str = "deep.count";
+    /// Their nodes, R32G32B32A32 uint.
+    pub const NODES: &str = "deep.nodes";
+}
 
 /// Which layers are wanted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

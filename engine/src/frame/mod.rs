@@ -6,7 +6,7 @@ mod layers;
 use ash::vk;
 use glam::Vec3;
 
-pub use layers::{ABUFFER_REPORT, Layer, Samples, Selection, Source};
+pub use layers::{ABUFFER_REPORT, Deep, Layer, Samples, Selection, Source};
 
 use crate::graph::{BufferHandle, Graph, ImageHandle, ImageShape};
 use crate::scene::{DrawClass, GpuScene, Light, LightKind, LightShadow, MAX_LIGHTS, View, light_block};
@@ -85,6 +85,9 @@ pub struct FrameSettings {
     pub transparency: Transparency,
     /// Most bytes that the A-buffer's layers may take.
     pub layer_memory: u64,
+    /// Whether every layer of every pixel is captured as well, for [`crate::capture::DeepPicture`]. Blended surfaces are
+    /// composited by [`Transparency::ABuffer`] then.
+    pub deep: bool,
     /// Which layers are captured. What only others need is not rendered.
     pub layers: Selection,
 }
@@ -100,6 +103,7 @@ impl FrameSettings {
             precision: Precision::default(),
             transparency: Transparency::default(),
             layer_memory: u64::MAX,
+            deep: false,
             layers: Selection::All,
         }
     }
@@ -109,6 +113,8 @@ impl FrameSettings {
 pub struct Frame {
     /// Captured layers.
     pub layers: Vec<Layer>,
+    /// What was captured for a deep picture.
+    pub deep: Option<Deep>,
     /// What the frame does not show as the scene asks, a sentence each.
     pub warnings: Vec<String>,
 }
@@ -153,6 +159,10 @@ impl FrameSettings {
             sampler: map_sampler(),
             environment: self.environment,
         };
+        if self.deep {
+            graph.capture(Deep::OPAQUE, &lit.color);
+            graph.capture(Deep::POSITION, &position);
+        }
         let (color, layers) = self.transparency(graph, scene, &surfaces.depth, &forward, lit.color);
 
         // 4. Captures.
@@ -161,7 +171,8 @@ impl FrameSettings {
         if let Some(layers) = &layers {
             captured.abuffer(graph, layers);
         }
-        Frame { layers: captured.layers, warnings: shadows.warnings }
+        let deep = self.deep.then(|| Deep { abuffer: layers.map(|layers| layers.made_by) });
+        Frame { layers: captured.layers, deep, warnings: shadows.warnings }
     }
 
     /// Blended surfaces over `color`; what the A-buffer knows of them besides.
@@ -178,7 +189,9 @@ impl FrameSettings {
             return (color, None);
         }
         let blended = Blended::new(graph, scene, *view, lights);
-        let technique: &dyn OrderIndependent = match &self.transparency {
+        // What is captured deep are the A-buffer's layers.
+        let transparency = if self.deep { &Transparency::ABuffer } else { &self.transparency };
+        let technique: &dyn OrderIndependent = match transparency {
             Transparency::Sorted => return (Sorted.record(graph, scene, view, depth, lights, color), None),
             Transparency::ABuffer => {
                 let (color, layers) = self.abuffer(graph, &blended, depth, color);
@@ -208,8 +221,13 @@ impl FrameSettings {
         };
         // Up to a million cd/m²: highlights of the sun are beyond what nodes hold as they are.
         let abuffer = ABuffer { format, exponent: 4, memory: self.layer_memory, ..ABuffer::default() };
-        let Composited { color, count, front, report, .. } = abuffer.record(graph, &self.view, depth, blended, color);
-        (color, TransparentLayers { count, front, report })
+        let Composited { color, count, front, nodes, report, .. } =
+            abuffer.record(graph, &self.view, depth, blended, color);
+        if let Some(nodes) = nodes.filter(|_| self.deep) {
+            graph.capture(Deep::COUNT, &count);
+            graph.capture(Deep::NODES, &nodes);
+        }
+        (color, TransparentLayers { made_by: abuffer, count, front, report })
     }
 
     /// Shadow maps of the first directional light and of the spots, and one image with a mask a layer.
@@ -264,6 +282,7 @@ impl FrameSettings {
 
 /// What the A-buffer knows besides the colour.
 struct TransparentLayers {
+    made_by: ABuffer,
     count: ImageHandle,
     front: ImageHandle,
     report: BufferHandle,

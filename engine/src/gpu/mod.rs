@@ -56,7 +56,7 @@ pub use messages::{Message, Messages, Severity};
 pub use options::{GpuOptions, RawGpu, Validation};
 pub use pipeline::{Constant, Pipeline, PipelineBinding};
 pub use pipeline_info::{
-    ColorTarget, DepthState, GraphicsPipelineInfo, StencilState, VertexAttribute, VertexBuffer, blend,
+    ColorTarget, DepthState, GraphicsPipelineInfo, StencilState, VertexAttribute, VertexBuffer, blend, stencil,
 };
 pub use query::{QueryKind, QueryPool};
 pub use sampler::{Sampler, SamplerInfo};

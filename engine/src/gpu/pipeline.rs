@@ -6,7 +6,7 @@ use ash::vk;
 
 use super::device::{Device, Garbage};
 use super::layout::{Layout, pipeline_layout, stage_flag};
-use super::pipeline_checks::{check_inputs, check_outputs, check_shader, check_stage, check_state};
+use super::pipeline_checks::{check_inputs, check_outputs, check_shader, check_stage, check_state, check_tests};
 use super::pipeline_state::create_graphics;
 use super::{Gpu, GraphicsPipelineInfo, SetLayout};
 use crate::Result;
@@ -222,6 +222,7 @@ impl Gpu {
         check_state(device, info)?;
         check_inputs(info)?;
         check_outputs(info)?;
+        check_tests(info)?;
         let layout = pipeline_layout(device, name, &shaders, info.set_layouts)?;
 
         // 2. The pipeline.

@@ -145,6 +145,27 @@ pub(super) fn check_outputs(info: &GraphicsPipelineInfo) -> Result<()> {
     Err(Error::invalid(format!("pipeline {:?}", info.name), problems.join("; ")))
 }
 
+/// Depth and stencil are of formats that have them, and of one image.
+pub(super) fn check_tests(info: &GraphicsPipelineInfo) -> Result<()> {
+    let (depth, stencil) = (info.depth.map(|d| d.format), info.stencil.map(|s| s.format));
+    let mut problems = Vec::new();
+    let asked = [(depth, vk::ImageAspectFlags::DEPTH), (stencil, vk::ImageAspectFlags::STENCIL)];
+    for (format, aspect) in asked.into_iter().filter_map(|(format, aspect)| Some((format?, aspect))) {
+        if FormatInfo::of(format).is_none_or(|known| !known.aspects.contains(aspect)) {
+            problems.push(format!("{format:?} has no {aspect:?}"));
+        }
+    }
+    if let (Some(depth), Some(stencil)) = (depth, stencil)
+        && depth != stencil
+    {
+        problems.push(format!("depth is {depth:?} and the stencil {stencil:?}; both are of one image"));
+    }
+    if problems.is_empty() {
+        return Ok(());
+    }
+    Err(Error::invalid(format!("pipeline {:?}", info.name), problems.join("; ")))
+}
+
 /// Each input of the vertex shader has an attribute of its kind, which lies within its vertex.
 pub(super) fn check_inputs(info: &GraphicsPipelineInfo) -> Result<()> {
     let mut problems = Vec::new();

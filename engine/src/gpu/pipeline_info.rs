@@ -169,3 +169,18 @@ pub struct StencilState {
     /// For those that face back.
     pub back: vk::StencilOpState,
 }
+
+/// Common stencil states.
+pub mod stencil {
+    use ash::vk;
+
+    /// Changes nothing.
+    pub fn keep() -> vk::StencilOpState {
+        vk::StencilOpState::default().compare_op(vk::CompareOp::ALWAYS)
+    }
+
+    /// Does this to all eight bits wherever a fragment is that passes the depth test.
+    pub fn on_pass(op: vk::StencilOp) -> vk::StencilOpState {
+        keep().pass_op(op).compare_mask(0xff).write_mask(0xff)
+    }
+}

@@ -235,7 +235,16 @@ impl<'f> Graph<'f> {
         parts.map(|mip| self.split(&image, Range::Image { aspects, mips: [mip, mip + 1], layers })).collect()
     }
 
-    /// Puts parts of one image together again. They cover a block of layers or of mips without a gap.
+    /// Takes an image of depth and stencil apart into one and the other, in this order. Sampled as a whole, it shows its
+    /// depth.
+    pub fn split_aspects(&mut self, image: ImageHandle) -> Vec<ImageHandle> {
+        let Range::Image { aspects, mips, layers } = image.range else { return Vec::new() };
+        let all = [vk::ImageAspectFlags::COLOR, vk::ImageAspectFlags::DEPTH, vk::ImageAspectFlags::STENCIL];
+        let parts = all.into_iter().filter(|&aspect| aspects.contains(aspect));
+        parts.map(|aspects| self.split(&image, Range::Image { aspects, mips, layers })).collect()
+    }
+
+    /// Puts parts of one image together again. They cover a block of layers or of mips without a gap, or all aspects.
     pub fn join(&mut self, parts: Vec<ImageHandle>) -> Option<ImageHandle> {
         let range = parts.iter().map(|part| part.range).reduce(Range::hull)?;
         let of = parts.iter().map(|part| part.version).collect();

@@ -38,6 +38,14 @@ impl ImageHandle {
         }
     }
 
+    /// Aspects it covers.
+    pub fn aspects(&self) -> vk::ImageAspectFlags {
+        match self.range {
+            Range::Image { aspects, .. } => aspects,
+            Range::Buffer(_) => vk::ImageAspectFlags::empty(),
+        }
+    }
+
     /// Mip levels it covers, `[first, end)`.
     pub fn mips(&self) -> [u32; 2] {
         match self.range {

@@ -50,6 +50,7 @@ impl<'a> Recorder<'a> {
             self.device.cmd_set_cull_mode(self.commands, vk::CullModeFlags::NONE);
             self.device.cmd_set_front_face(self.commands, vk::FrontFace::COUNTER_CLOCKWISE);
         }
+        self.stencil_reference(0);
     }
 
     /// Culling, and whether the winding is turned around.
@@ -62,7 +63,15 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Stencil reference of both faces.
+    /// Draws only over these pixels of the pass's area, from the upper left.
+    pub fn scissor(&mut self, offset: [u32; 2], size: [u32; 2]) {
+        let offset = vk::Offset2D { x: offset[0] as i32, y: offset[1] as i32 };
+        let area = vk::Rect2D { offset, extent: vk::Extent2D { width: size[0], height: size[1] } };
+        // SAFETY: see the module.
+        unsafe { self.device.cmd_set_scissor(self.commands, 0, &[area]) }
+    }
+
+    /// Stencil reference of both faces; 0 before, and after each change of program.
     pub fn stencil_reference(&mut self, reference: u32) {
         // SAFETY: see the module.
         unsafe { self.device.cmd_set_stencil_reference(self.commands, vk::StencilFaceFlags::FRONT_AND_BACK, reference) }
@@ -188,7 +197,7 @@ pub(super) fn begin_rendering(
     device: &ash::Device,
     commands: &Commands,
     color: &[vk::RenderingAttachmentInfo],
-    depth: Option<&vk::RenderingAttachmentInfo>,
+    [depth, stencil]: [Option<&vk::RenderingAttachmentInfo>; 2],
     area: Area,
 ) {
     let Area { size, layers, view_mask } = area;
@@ -201,6 +210,9 @@ pub(super) fn begin_rendering(
         .color_attachments(color);
     if let Some(depth) = depth {
         info = info.depth_attachment(depth);
+    }
+    if let Some(stencil) = stencil {
+        info = info.stencil_attachment(stencil);
     }
     let viewport =
         vk::Viewport { width: size[0] as f32, height: size[1] as f32, max_depth: 1.0, ..vk::Viewport::default() };

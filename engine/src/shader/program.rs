@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 use super::{ConstantSlot, Shader};
 use crate::gpu::{
     ColorTarget, Constant, DepthState, Gpu, GraphicsPipelineInfo, Pipeline, SetLayout, StencilState, VertexBuffer,
-    blend,
+    blend, stencil,
 };
 use crate::{Error, Result, parallel};
 
@@ -30,7 +30,7 @@ pub struct Program {
     pub blend: vk::PipelineColorBlendAttachmentState,
     /// Depth test, and whether it writes. `None`: neither.
     pub depth: Option<(vk::CompareOp, bool)>,
-    /// Stencil test of front and back faces.
+    /// Stencil test of front and back faces. `None`: no test, nothing written.
     pub stencil: Option<(vk::StencilOpState, vk::StencilOpState)>,
     /// Depth is clamped, not clipped.
     pub depth_clamp: bool,
@@ -69,6 +69,11 @@ impl Program {
     /// With a depth test.
     pub fn depth(self, compare: vk::CompareOp, write: bool) -> Self {
         Self { depth: Some((compare, write)), ..self }
+    }
+
+    /// With a stencil test of front and of back faces.
+    pub fn stencil(self, front: vk::StencilOpState, back: vk::StencilOpState) -> Self {
+        Self { stencil: Some((front, back)), ..self }
     }
 
     /// With blending.
@@ -204,10 +209,10 @@ impl Wanted<'_> {
             let (compare, write) = program.depth.unwrap_or((vk::CompareOp::ALWAYS, false));
             DepthState { format, compare, write }
         });
-        let stencil = match (targets.stencil, program.stencil) {
-            (Some(format), Some((front, back))) => Some(StencilState { format, front, back }),
-            _ => None,
-        };
+        let stencil = targets.stencil.map(|format| {
+            let (front, back) = program.stencil.unwrap_or((stencil::keep(), stencil::keep()));
+            StencilState { format, front, back }
+        });
         let sets: Vec<_> = program.set_layouts.iter().map(|(set, layout)| (*set, layout)).collect();
         gpu.graphics_pipeline(&GraphicsPipelineInfo {
             geometry: program.geometry,

@@ -1,22 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
-#include "common/voxels.glsl"
-#include "common/instances.glsl"
-
-// Looks along the columns. Vertices are put where the rasteriser would snap them: a column that passes through a triangle
-// by its snapped corners alone would otherwise take its depth from the plane beyond the triangle, which for a steep one
-// is far off. Depth takes no part in clipping: what lies before or behind the grid must reach the fragment
-// shader too, or columns would lose a crossing.
-
-layout(constant_id = 0) const uint SUBPIXELS = 256u; // places a pixel that the rasteriser knows
-
-layout(location = 0) in vec3 position;
-
-layout(location = 0) out float out_depth; // voxels
+#include "common/voxel_columns.glsl"
 
 void main() {
-    vec3 p = column_coordinates(transform_point(instances[gl_InstanceIndex], position));
-    vec2 snapped = round(p.xy * float(SUBPIXELS)) / float(SUBPIXELS);
-    gl_Position = vec4(2.0 * snapped / vec2(columns.xy) - 1.0, 0.5, 1.0);
-    out_depth = p.z;
+    look_along_columns();
 }

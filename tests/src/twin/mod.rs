@@ -14,6 +14,7 @@ pub mod shadow;
 pub mod surface;
 pub mod texture;
 pub mod voxel;
+pub mod walk;
 
 #[cfg(test)]
 mod tests;

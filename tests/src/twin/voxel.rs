@@ -1,7 +1,8 @@
-//! Voxels of solids, by the parity of crossings.
+//! Voxels of solids, by the parity of crossings or by winding numbers.
 //!
 //! - Grid coordinates count voxels from the grid's lower corner; voxel (i, j, k) has its centre at (i, j, k) + ½.
-//! - A voxel is inside where a ray from its centre towards smaller x crosses an odd number of triangles.
+//! - A voxel's crossings are those of a ray from its centre towards smaller x. It is inside where they are odd in number,
+//!   or where more go one way than the other.
 //! - The test of a row against an edge gives exactly opposite values for the two triangles that share it, and a row on an
 //!   edge belongs to one side of it, so a closed surface is crossed an even number of times.
 
@@ -9,7 +10,8 @@ use glam::DVec3;
 use shadowgraph::scene::Scene;
 use shadowgraph::techniques::voxel::Grid;
 
-/// A scene's triangles in grid coordinates, those without area too.
+/// A scene's triangles in grid coordinates, those without area too. Those of mirrored objects are turned around, so that
+/// they face as they did before.
 pub fn in_grid(scene: &Scene, grid: &Grid) -> Vec<[DVec3; 3]> {
     let (min, edge) = (grid.min().as_dvec3(), f64::from(grid.edge()));
     let mut triangles = Vec::new();
@@ -17,18 +19,25 @@ pub fn in_grid(scene: &Scene, grid: &Grid) -> Vec<[DVec3; 3]> {
         let world = object.world_from_object.as_dmat4();
         for primitive in &scene.meshes[object.mesh].primitives {
             let corner = |&i: &u32| (world.transform_point3(primitive.positions[i as usize].as_dvec3()) - min) / edge;
-            triangles.extend(
-                primitive.indices.as_chunks().0.iter().map(|corners: &[u32; 3]| corners.each_ref().map(corner)),
-            );
+            let mirrored = world.determinant() < 0.0;
+            let turned = |&[a, b, c]: &[u32; 3]| if mirrored { [b, a, c] } else { [a, b, c] };
+            triangles
+                .extend(primitive.indices.as_chunks().0.iter().map(|corners| turned(corners).each_ref().map(corner)));
         }
     }
     triangles
 }
 
-/// Whether each voxel is inside, in the order `[z][y][x]`.
+/// Whether each voxel is inside by the parity of crossings, in the order `[z][y][x]`.
 pub fn solid(triangles: &[[DVec3; 3]], size: [u32; 3]) -> Vec<bool> {
+    windings(triangles, size).into_iter().map(|winding| winding % 2 != 0).collect()
+}
+
+/// Winding number of each voxel, in the order `[z][y][x]`: surfaces that a ray towards smaller x crosses, those that face
+/// smaller x against those that face larger x.
+pub fn windings(triangles: &[[DVec3; 3]], size: [u32; 3]) -> Vec<i32> {
     let [nx, ny, nz] = size.map(|n| n as usize);
-    let mut flips = vec![false; nx * ny * nz];
+    let mut windings = vec![0; nx * ny * nz];
     for triangle in triangles {
         // Centres at most as far out as the triangle.
         let rows = |axis: usize, n: usize| {
@@ -37,23 +46,23 @@ pub fn solid(triangles: &[[DVec3; 3]], size: [u32; 3]) -> Vec<bool> {
         };
         for z in rows(2, nz) {
             for y in rows(1, ny) {
-                let Some(x) = crossing(triangle, y as f64 + 0.5, z as f64 + 0.5) else { continue };
+                let Some((x, sign)) = crossing(triangle, y as f64 + 0.5, z as f64 + 0.5) else { continue };
                 // The first voxel of the row with its centre beyond the crossing.
                 let first = (x - 0.5).floor() + 1.0;
                 if first < nx as f64 {
-                    flips[(z * ny + y) * nx + first.max(0.0) as usize] ^= true;
+                    windings[(z * ny + y) * nx + first.max(0.0) as usize] += sign;
                 }
             }
         }
     }
-    for row in flips.chunks_mut(nx) {
-        let mut inside = false;
+    for row in windings.chunks_mut(nx) {
+        let mut sum = 0;
         for voxel in row {
-            inside ^= *voxel;
-            *voxel = inside;
+            sum += *voxel;
+            *voxel = sum;
         }
     }
-    flips
+    windings
 }
 
 /// Least and greatest coordinate along an axis.
@@ -62,8 +71,8 @@ fn extent(triangle: &[DVec3; 3], axis: usize) -> [f64; 2] {
     [a.min(b).min(c), a.max(b).max(c)]
 }
 
-/// Where the line along x at (y, z) crosses a triangle.
-fn crossing(triangle: &[DVec3; 3], y: f64, z: f64) -> Option<f64> {
+/// Where the line along x at (y, z) crosses a triangle, and the sign of the way there: 1 into what the triangle encloses.
+fn crossing(triangle: &[DVec3; 3], y: f64, z: f64) -> Option<(f64, i32)> {
     let sides = [0, 1, 2].map(|i| side(triangle[(i + 1) % 3], triangle[(i + 2) % 3], y, z));
     if sides.iter().any(|&(positive, _)| positive != sides[0].0) {
         return None;
@@ -73,7 +82,8 @@ fn crossing(triangle: &[DVec3; 3], y: f64, z: f64) -> Option<f64> {
     let x = (weighted(0) + weighted(1) + weighted(2)) / total;
     // Slivers divide nearly nothing by nearly nothing: what lies in the triangle lies between its corners.
     let [least, most] = extent(triangle, 0);
-    Some(if x.is_finite() { x.clamp(least, most) } else { triangle[0].x })
+    let x = if x.is_finite() { x.clamp(least, most) } else { triangle[0].x };
+    Some((x, if sides[0].0 { -1 } else { 1 }))
 }
 
 /// Which side of the edge from `a` to `b` the point lies on, and twice the area they span. The edge is taken in one

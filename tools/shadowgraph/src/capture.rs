@@ -6,9 +6,9 @@ use std::thread;
 use std::time::Instant;
 
 use shadowgraph::capture::{
-    CapturedFrame, ExrOptions, FrameCapture, PngOptions, auto_exposure, picture, write_exr, write_png,
+    CapturedFrame, ExrOptions, FrameCapture, PngOptions, auto_exposure, picture, write_deep_exr, write_exr, write_png,
 };
-use shadowgraph::frame::Selection;
+use shadowgraph::frame::{Selection, Transparency};
 use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::{Camera, GpuScene};
@@ -23,8 +23,13 @@ use crate::view;
 
 /// Renders and writes.
 pub fn run(arguments: &CaptureArguments, start: Start) -> Result<()> {
-    for (option, path, end) in [("--output", &arguments.output, "exr"), ("--png", &arguments.png, "png")] {
-        path.as_ref().map_or(Ok(()), |path| check_name(option, path, end))?;
+    let files = [
+        ("--output", &arguments.output, ".exr"),
+        ("--png", &arguments.png, ".png"),
+        ("--deep", &arguments.deep, ".exr"),
+    ];
+    for (option, path, end) in files {
+        path.as_ref().map_or(Ok(()), |path| check_name(option, path, &[end]))?;
     }
     let mut phases = Phases::new(start);
     // 1. The scene, and the device meanwhile. Where the scene is bad, that is what there is to say.
@@ -63,7 +68,11 @@ fn render_and_write(
     phases: &mut Phases,
 ) -> Result<Vec<String>> {
     // 1. Render what is wanted, and the picture where a PNG is.
-    let wanted = session::frame_settings(&arguments.frame, scene, camera);
+    let mut wanted = session::frame_settings(&arguments.frame, scene, camera);
+    wanted.deep = arguments.deep.is_some();
+    if wanted.deep {
+        wanted.transparency = Transparency::ABuffer;
+    }
     let mut settings = wanted.clone();
     if let (Some(_), Selection::Only(names)) = (&arguments.png, &mut settings.layers) {
         names.push("color".into());
@@ -86,19 +95,19 @@ fn render_and_write(
             write_png(path, arguments.frame.size.0, &pixels, &options)
         })?;
     }
+    let recipe = Recipe::new(&arguments.frame, camera, &wanted);
+    let description = FrameCapture {
+        scene,
+        camera,
+        view: &wanted.view,
+        caps: gpu.caps(),
+        settings: &recipe,
+        float: arguments.frame.float,
+        exposure: 1.0,
+        reproducible: arguments.reproducible,
+    };
     if let Some(path) = &arguments.output {
         frame.layers.retain(|layer| wanted.layers.wants(&layer.name));
-        let recipe = Recipe::new(&arguments.frame, camera, &wanted);
-        let description = FrameCapture {
-            scene,
-            camera,
-            view: &wanted.view,
-            caps: gpu.caps(),
-            settings: &recipe,
-            float: arguments.frame.float,
-            exposure: 1.0,
-            reproducible: arguments.reproducible,
-        };
         let captured = phases.time("read-back", || description.collect(&frame, &executed))?;
         phases.time("writing", || {
             write_exr(path, &captured.capture, &ExrOptions { compression: arguments.compression })
@@ -106,8 +115,13 @@ fn render_and_write(
         warn_of_losses(&captured);
         told.push(summary(path, &captured)?);
     }
+    if let Some(path) = &arguments.deep {
+        let deep = phases.time("read-back", || description.collect_deep(&frame, &executed))?;
+        phases.time("writing", || write_deep_exr(path, &deep))?;
+        told.push(format!("wrote {}: {} samples", path.display(), deep.samples.len()));
+    }
     told.extend(arguments.png.iter().map(|path| format!("wrote {}", path.display())));
-    if let Some(path) = arguments.output.as_ref().or(arguments.png.as_ref()) {
+    if let Some(path) = arguments.output.as_ref().or(arguments.png.as_ref()).or(arguments.deep.as_ref()) {
         told.extend(phases.time("writing", || debug::write(&arguments.debug, &executed, path))?);
     }
     Ok(told)

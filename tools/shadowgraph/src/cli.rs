@@ -6,7 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
 use shadowgraph::capture::Compression;
 use shadowgraph::frame::{Selection, Transparency};
-use shadowgraph::techniques::voxel::Axis;
+use shadowgraph::techniques::voxel::{Axis, FillRule};
 
 use crate::arguments::{self, Resolution, SceneSource, Size, Sun};
 
@@ -181,17 +181,22 @@ Examples:
   shadowgraph capture scene.glb -o out.exr
   shadowgraph capture scene.glb -o out.exr --size 1920x1080 --camera 0 --png out.png
   shadowgraph capture scene.glb -o out.exr --eye 3,1.7,4 --target 0,1,0 --fov 50
+  shadowgraph capture scene.glb -o out.exr --deep layers.exr
   shadowgraph capture scene.glb -o out.exr --sun -0.4,-1,-0.3,100000 --layers color,Z,shadow")]
 pub struct CaptureArguments {
     /// What is rendered.
     #[command(flatten)]
     pub frame: FrameArguments,
     /// The OpenEXR file to write
-    #[arg(short, long, value_name = "FILE.exr", required_unless_present_any = ["png", "phases"])]
+    #[arg(short, long, value_name = "FILE.exr", required_unless_present_any = ["png", "deep", "phases"])]
     pub output: Option<PathBuf>,
     /// A tone-mapped picture to look at as well
     #[arg(long, value_name = "FILE.png")]
     pub png: Option<PathBuf>,
+    /// A deep OpenEXR file as well: every layer of every pixel, with R, G, B, A and Z. Blended surfaces are composited as
+    /// by `--transparency abuffer` then
+    #[arg(long, value_name = "FILE.exr")]
+    pub deep: Option<PathBuf>,
     /// Leave out what differs from run to run (the passes' times), so that equal frames make equal files
     #[arg(long)]
     pub reproducible: bool,
@@ -244,7 +249,8 @@ pub enum GraphFormat {
 /// Arguments of `voxelize`.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "\
-Writes a NumPy array of bytes, indexed [z,y,x], 1 where a voxel's centre is inside a solid (bitmask) or a triangle \
+Writes a NumPy array of bytes, indexed [z,y,x], 1 where a voxel's centre is inside a solid (bitmask, stencil, \
+winding) or a triangle \
 touches the voxel (conservative, six-separating), and beside it a .json file \
 that says where the voxels are: voxel (i,j,k) has its centre at min + (i+1/2, j+1/2, k+1/2) * voxel_edge.
 
@@ -270,8 +276,13 @@ pub struct VoxelizeArguments {
     /// How voxels are found
     #[arg(long, value_enum, default_value_t = VoxelMethod::Bitmask)]
     pub method: VoxelMethod,
-    /// The NumPy file to write
-    #[arg(short, long, value_name = "FILE.npy")]
+    /// What is inside (stencil, winding): what surfaces wind around, the default, so that solids that overlap are one; or
+    /// what lies behind an odd number of surfaces
+    #[arg(long, value_enum)]
+    pub rule: Option<RuleName>,
+    /// The file to write; its name says the format: .npy or .packed.npy (NumPy), .binvox, .vox (MagicaVoxel), .exr (a part
+    /// a slice), .glb (a mesh to look at), .png (a picture of slices). What it means is written beside it, as .json
+    #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Print one JSON object: what the .json file has, times and memory
     #[arg(long)]
@@ -305,12 +316,41 @@ impl From<AxisName> for Axis {
 /// A way to find voxels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum VoxelMethod {
-    /// Solids, by XOR of column bits.
+    /// Solids, by XOR of column bits: inside is what lies behind an odd number of surfaces.
     Bitmask,
+    /// Solids, counted slice by slice in a stencil buffer.
+    Stencil,
+    /// Solids, by winding numbers counted in one pass.
+    Winding,
     /// Surfaces: every voxel that a triangle touches.
     Conservative,
     /// Surfaces: as few voxels as separate the two sides.
     SixSeparating,
+}
+
+impl VoxelMethod {
+    /// Whether it finds what is inside of surfaces, which must be closed for that.
+    pub fn is_solid(self) -> bool {
+        matches!(self, Self::Bitmask | Self::Stencil | Self::Winding)
+    }
+}
+
+/// A rule of what is inside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum RuleName {
+    /// What surfaces wind around.
+    NonZero,
+    /// What lies behind an odd number of surfaces.
+    EvenOdd,
+}
+
+impl From<RuleName> for FillRule {
+    fn from(rule: RuleName) -> Self {
+        match rule {
+            RuleName::NonZero => Self::NonZero,
+            RuleName::EvenOdd => Self::EvenOdd,
+        }
+    }
 }
 
 /// Arguments of `info`.

@@ -15,9 +15,11 @@ pub fn print(text: impl std::fmt::Display) -> Result<()> {
 }
 
 /// Refuses, before any work is done, the name of a file that would mislead, or one in a folder that is not there.
-pub fn check_name(option: &str, path: &Path, end: &str) -> Result<()> {
-    if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end)) {
-        return Err(Failure::input(format!("{option} {}: the name must end in .{end}", path.display())));
+pub fn check_name(option: &str, path: &Path, ends: &[&str]) -> Result<()> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    if !ends.iter().any(|end| name.ends_with(end) && name != *end) {
+        let ends = ends.join(", ");
+        return Err(Failure::input(format!("{option} {}: the name must end in {ends}", path.display())));
     }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.is_dir() {

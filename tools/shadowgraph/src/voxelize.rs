@@ -5,16 +5,18 @@ use std::time::Instant;
 
 use clap::ValueEnum;
 use serde::Serialize;
-use shadowgraph::capture::{write_atomically, write_npy};
+use shadowgraph::capture::{VoxelFormat, write_atomically, write_voxels};
 use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::{GpuScene, Scene};
 use shadowgraph::techniques::voxel::bitmask::Bitmask;
 use shadowgraph::techniques::voxel::conservative::Conservative;
 use shadowgraph::techniques::voxel::six_separating::SixSeparating;
+use shadowgraph::techniques::voxel::stencil::Stencil;
+use shadowgraph::techniques::voxel::winding::Winding;
 use shadowgraph::techniques::voxel::{Grid, VoxelBits, Voxels};
 
-use crate::cli::{VoxelMethod, VoxelizeArguments};
+use crate::cli::{RuleName, VoxelMethod, VoxelizeArguments};
 use crate::failure::{Failure, Result};
 use crate::output::{check_name, print};
 use crate::session;
@@ -24,6 +26,9 @@ use crate::session;
 struct Description {
     scene: String,
     method: String,
+    /// What is inside, where the method has a rule.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rule: Option<String>,
     axis: String,
     /// Voxels along x, y and z.
     resolution: [u32; 3],
@@ -31,8 +36,9 @@ struct Description {
     min: [f32; 3],
     /// Metres.
     voxel_edge: f32,
-    /// Indices of the array.
-    order: &'static str,
+    /// Indices of an array.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    order: Option<&'static str>,
     set: u64,
     /// Meshes whose surface is not closed, with the number of their open edges.
     open_meshes: Vec<(String, usize)>,
@@ -53,15 +59,21 @@ struct Told<'a> {
 
 /// Finds the voxels and writes them.
 pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
-    check_name("--output", &arguments.output, "npy")?;
+    let ends = VoxelFormat::ALL.map(VoxelFormat::end);
+    check_name("--output", &arguments.output, &ends)?;
+    let format = VoxelFormat::of(&arguments.output).unwrap_or(VoxelFormat::Npy);
     let [x, y, z] = arguments.resolution.0;
     if arguments.min.is_none() && (x != y || y != z) {
         return Err(Failure::input("a --resolution of three numbers needs --min and --edge"));
     }
+    let has_rule = matches!(arguments.method, VoxelMethod::Stencil | VoxelMethod::Winding);
+    if arguments.rule.is_some() && !has_rule {
+        return Err(Failure::input("--rule is for --method stencil and --method winding"));
+    }
     // 1. A scene of closed surfaces, or a warning where solids are wanted.
     let scene = session::scene(&arguments.scene)?;
     let open_meshes = open_meshes(&scene);
-    for (name, edges) in open_meshes.iter().filter(|_| arguments.method == VoxelMethod::Bitmask) {
+    for (name, edges) in open_meshes.iter().filter(|_| arguments.method.is_solid()) {
         log::warn!("mesh `{name}` is not closed ({edges} open edges): columns behind its holes are wrong");
     }
     // 2. Its voxels. All that holds on to the device goes before the device.
@@ -71,21 +83,26 @@ pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
     let closed = session::close(gpu);
     let (voxels, seconds, bytes) = found?;
     closed?;
-    // 3. The array, and beside it what it means.
+    // 3. The file, and beside it what it means.
     let grid = voxels.grid();
     let (path, beside) = (&arguments.output, arguments.output.with_extension("json"));
     let description = Description {
         scene: arguments.scene.to_string(),
         method: name(&arguments.method),
+        rule: has_rule.then(|| name(&arguments.rule.unwrap_or(RuleName::NonZero))),
         axis: name(&arguments.axis),
         resolution: grid.size(),
         min: grid.min().to_array(),
         voxel_edge: grid.edge(),
-        order: "[z][y][x]",
+        order: match format {
+            VoxelFormat::Npy => Some("[z][y][x]"),
+            VoxelFormat::PackedNpy => Some("[z][y][x / 8], lowest bit first"),
+            _ => None,
+        },
         set: voxels.count(),
         open_meshes,
     };
-    write_npy(path, &[z, y, x].map(|n| n as usize), &voxels.bytes())?;
+    write_voxels(path, &voxels, format)?;
     let text = serde_json::to_string_pretty(&description).map_err(Failure::failed)?;
     write_atomically(&beside, |file| writeln!(file, "{text}"))?;
     if arguments.json {
@@ -123,9 +140,12 @@ fn voxelize(arguments: &VoxelizeArguments, gpu: &Gpu, scene: &GpuScene) -> Resul
     let grid = grid(arguments, scene)?;
     let began = Instant::now();
     let axis = arguments.axis.into();
+    let rule = arguments.rule.unwrap_or(RuleName::NonZero).into();
     let mut executor = Executor::new(gpu);
     let (voxels, bytes) = find(&mut executor, gpu, &grid, |graph| match arguments.method {
         VoxelMethod::Bitmask => Bitmask { axis, ..Bitmask::default() }.record(graph, scene, &grid),
+        VoxelMethod::Stencil => Stencil { axis, rule, ..Stencil::default() }.record(graph, scene, &grid),
+        VoxelMethod::Winding => Winding { axis, rule }.record(graph, scene, &grid),
         VoxelMethod::Conservative => Conservative { axis }.record(graph, scene, &grid),
         VoxelMethod::SixSeparating => SixSeparating { axis }.record(graph, scene, &grid),
     })?;

@@ -276,6 +276,21 @@ fn graphs_are_printed() {
 }
 
 #[test]
+fn graphs_with_checkpoints_are_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let graph = |format: &str| {
+        let options = ["--size", "64x36", "--transparency", "abuffer", "--layers", "color", "--format", format];
+        stdout(&succeeds(&folder, &[&["graph", "builtin:courtyard"], &options[..]].concat()))
+    };
+    let text = graph("text");
+    let (first, second) = text.split_once("--- after the checkpoint `abuffer.totals`").unwrap();
+    assert!(first.contains("`abuffer.count`") && second.contains("`abuffer.fill`"), "{text}");
+    assert_eq!(graph("dot").matches("digraph").count(), 2);
+    let json: serde_json::Value = serde_json::from_str(&graph("json")).unwrap();
+    assert_eq!(json["later"][0]["after"], "abuffer.totals");
+}
+
+#[test]
 fn a_graph_is_written_as_a_page_with_times() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = ["graph", "builtin:cornell", "--size", "64x36", "--format", "html", "--times", "-o", "frame.html"];
@@ -317,6 +332,19 @@ fn benchmarks_print_one_object_a_line() {
 }
 
 #[test]
+fn deep_pictures_are_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["capture", "builtin:courtyard", "--deep", "deep.exr", "--size", "64x36", "--validation"];
+    let output = succeeds(&folder, &arguments);
+    assert!(stdout(&output).contains("wrote deep.exr"), "{output:?}");
+    // OpenEXR's mark of data that is not flat.
+    let file = fs::read(folder.path().join("deep.exr")).unwrap();
+    assert_eq!(file[..8], [0x76, 0x2f, 0x31, 0x01, 0x02, 0x08, 0, 0]);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    is_refused(&["capture", "builtin:courtyard", "--deep", "deep.png"], "must end in .exr");
+}
+
+#[test]
 fn voxels_are_written_with_what_they_mean() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = ["voxelize", "builtin:cornell", "--resolution", "32", "--validation", "-o", "room.npy", "--json"];
@@ -337,9 +365,28 @@ fn voxels_are_written_with_what_they_mean() {
     let output = succeeds(&folder, &[&["voxelize", "builtin:cornell"], &grid[..]].concat());
     assert!(stdout(&output).contains("8×4×2") && stderr(&output).contains("is not closed"), "{output:?}");
 
+    // The name says the format.
+    for name in ["part.packed.npy", "part.binvox", "part.vox", "part.exr", "part.glb", "part.png"] {
+        succeeds(&folder, &["voxelize", "builtin:cornell", "--resolution", "16", "-o", name]);
+        assert!(fs::metadata(folder.path().join(name)).unwrap().len() > 0);
+    }
+    let shown = ["capture", "part.glb", "-o", "shown.exr", "--size", "16x16"];
+    succeeds(&folder, &shown);
+
     // Surfaces need not be closed.
     let surface = ["voxelize", "builtin:cornell", "--method", "conservative", "--resolution", "16", "-o", "walls.npy"];
     assert_eq!(stderr(&succeeds(&folder, &surface)).matches("warn").count(), 0);
+
+    // Solids by every method.
+    for method in ["bitmask", "stencil", "winding"] {
+        let solid = ["voxelize", "builtin:cornell", "--method", method, "--resolution", "16", "-o", "solid.npy"];
+        assert!(stdout(&succeeds(&folder, &solid)).contains("16×16×16"));
+    }
+    let winding = ["voxelize", "builtin:cornell", "--method", "winding", "--rule", "even-odd", "-o", "odd.npy"];
+    succeeds(&folder, &winding);
+    let beside: serde_json::Value = serde_json::from_slice(&fs::read(folder.path().join("odd.json")).unwrap()).unwrap();
+    assert_eq!((&beside["method"], &beside["rule"]), (&"winding".into(), &"even-odd".into()));
+    is_refused(&["voxelize", "builtin:cornell", "--rule", "even-odd", "-o", "odd.npy"], "--method winding");
 
     let voxelize = |more: &[&'static str]| [&["voxelize", "builtin:cornell", "-o", "o.npy"], more].concat();
     is_refused(&voxelize(&["--resolution", "0"]), "1 to 1024");
@@ -347,6 +394,6 @@ fn voxels_are_written_with_what_they_mean() {
     is_refused(&voxelize(&["--resolution", "8,4,2"]), "--min and --edge");
     is_refused(&voxelize(&["--min", "0,0,0"]), "--edge");
     is_refused(&voxelize(&["--min", "0,0,0", "--edge", "-1"]), "greater than 0");
-    is_refused(&["voxelize", "builtin:cornell", "-o", "o.vox"], ".npy");
+    is_refused(&["voxelize", "builtin:cornell", "-o", "o.obj"], ".npy, .packed.npy, .binvox");
     is_refused(&["voxelize", "builtin:cornell", "-o", "no/o.npy"], "no such folder");
 }

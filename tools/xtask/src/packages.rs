@@ -14,7 +14,8 @@ pub const PACKAGES: &[&str] = &[
     "libshaderc-dev",          // the shader compiler's three parts
     "glslang-dev",
     "spirv-tools",
-    "openexr", // tests open our files with its tools
+    "openexr",        // tests open our files with its tools
+    "libopenexr-dev", // and deep ones with its library
 ];
 
 /// What the gate needs beside [`PACKAGES`].

@@ -70,8 +70,7 @@ impl<'a> Codec<'a> {
         Self {
             compression,
             part: PartCodec::new(part, compression),
-            // Level 1, with zlib's header, and its largest window: see the module.
-            deflate: Deflate::new(1, true, 15),
+            deflate: deflater(),
             separated: Vec::new(),
             deflated: Vec::new(),
         }
@@ -114,11 +113,36 @@ impl<'a> Codec<'a> {
 
     /// Deflates `separated` into `deflated` and says to how many bytes, or `None` where it would not shrink.
     fn deflate(&mut self) -> Option<usize> {
-        self.deflate.reset();
-        // One byte less than the input: more is of no use.
-        self.deflated.resize(self.separated.len().saturating_sub(1), 0);
-        let status = self.deflate.compress(&self.separated, &mut self.deflated, DeflateFlush::Finish);
-        matches!(status, Ok(Status::StreamEnd)).then_some(self.deflate.total_out() as usize)
+        shrink(&mut self.deflate, &self.separated, &mut self.deflated)
+    }
+}
+
+/// Level 1, with zlib's header, and its largest window: see the module.
+pub(super) fn deflater() -> Deflate {
+    Deflate::new(1, true, 15)
+}
+
+/// Deflates, and says to how many bytes, or `None` where that would not make less of them.
+fn shrink(deflate: &mut Deflate, from: &[u8], to: &mut Vec<u8>) -> Option<usize> {
+    deflate.reset();
+    // One byte less than the input: more is of no use.
+    to.resize(from.len().saturating_sub(1), 0);
+    let status = deflate.compress(from, to, DeflateFlush::Finish);
+    matches!(status, Ok(Status::StreamEnd)).then_some(deflate.total_out() as usize)
+}
+
+/// Bytes as ZIPS packs them, or as they are where that would not make less of them.
+pub(super) fn compressed(bytes: &[u8], deflate: &mut Deflate) -> Vec<u8> {
+    let every_second = |first: usize| bytes.iter().skip(first).step_by(2).copied();
+    let mut separated: Vec<u8> = every_second(0).chain(every_second(1)).collect();
+    to_differences(&mut separated);
+    let mut packed = Vec::new();
+    match shrink(deflate, &separated, &mut packed) {
+        Some(size) => {
+            packed.truncate(size);
+            packed
+        }
+        None => bytes.to_vec(),
     }
 }
 

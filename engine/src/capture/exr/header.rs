@@ -46,7 +46,7 @@ pub(super) fn check(capture: &Capture) -> Result<()> {
             return Err(Error::invalid(format!("part {:?}", part.name), "two parts have this name"));
         }
         check_part(part)?;
-        check_attributes(part, attributes(capture, index))?;
+        check_attributes(&part.name, attributes(capture, index), &[])?;
     }
     Ok(())
 }
@@ -76,12 +76,17 @@ fn check_part(part: &Part) -> Result<()> {
     Ok(())
 }
 
-fn check_attributes<'a>(part: &Part, attributes: impl Iterator<Item = &'a (String, Value)>) -> Result<()> {
+/// `own`: names beside [`OWN`] that this module writes itself.
+fn check_attributes<'a>(
+    part: &str,
+    attributes: impl Iterator<Item = &'a (String, Value)>,
+    own: &[&[u8]],
+) -> Result<()> {
     let mut names = HashSet::new();
     for (name, _) in attributes {
-        let what = || format!("attribute {name:?} of part {:?}", part.name);
+        let what = || format!("attribute {name:?} of part {part:?}");
         check_name(name).map_err(|why| Error::invalid(what(), why))?;
-        if OWN.contains(&name.as_bytes()) {
+        if OWN.iter().chain(own).any(|own| *own == name.as_bytes()) {
             return Err(Error::invalid(what(), "OpenEXR gives this name a meaning of its own"));
         }
         if !names.insert(name) {
@@ -113,25 +118,21 @@ fn shared(metadata: &Metadata, part: usize) -> impl Iterator<Item = &(String, Va
 
 /// Everything before the table of offsets.
 pub(super) fn encode(capture: &Capture, compression: Compression) -> Result<Vec<u8>> {
-    const MAGIC: u32 = 20_000_630;
-    const VERSION: u32 = 2;
-    const LONG_NAMES: u32 = 0x400;
-    const MULTI_PART: u32 = 0x1000;
-
     let multi_part = capture.parts.len() > 1;
-    let mut flags = VERSION;
-    flags |= if has_long_names(capture) { LONG_NAMES } else { 0 };
+    let mut flags = if has_long_names(capture) { LONG_NAMES } else { 0 };
     flags |= if multi_part { MULTI_PART } else { 0 };
-
-    let mut bytes = Vec::new();
-    bytes.extend_from_slice(&MAGIC.to_le_bytes());
-    bytes.extend_from_slice(&flags.to_le_bytes());
+    let mut bytes = begin(flags);
     for (index, part) in capture.parts.iter().enumerate() {
-        let put = |name: &[u8], value: &AttributeValue, bytes: &mut Vec<u8>| {
-            write_attribute(name, value, bytes)
-                .map_err(|e| Error::invalid(format!("attribute {:?}", String::from_utf8_lossy(name)), e.to_string()))
+        let layout = Layout {
+            name: &part.name,
+            kind: BlockType::ScanLine,
+            chunks: part.size[1].div_ceil(compression.lines() as u32),
+            channels: channel_list(part),
+            compression,
+            size: part.size,
+            display: capture.parts[0].size,
         };
-        for (name, value) in layout(capture, part, compression) {
+        for (name, value) in layout.attributes() {
             put(name, &value, &mut bytes)?;
         }
         for (name, value) in attributes(capture, index) {
@@ -152,26 +153,73 @@ fn has_long_names(capture: &Capture) -> bool {
     channels.chain(part_attributes).chain(frame_attributes).any(|name| name.len() > SHORT_NAME)
 }
 
-/// The attributes that say how a part lies in the file.
-fn layout(capture: &Capture, part: &Part, compression: Compression) -> [(&'static [u8], AttributeValue); 11] {
-    let window = |[width, height]: [u32; 2]| {
-        AttributeValue::IntegerBounds(IntegerBounds::new(Vec2(0, 0), Vec2(width as usize, height as usize)))
-    };
-    let chunks = part.size[1].div_ceil(compression.lines() as u32);
-    [
-        (standard_names::NAME, AttributeValue::Text(text(&part.name))),
-        (standard_names::BLOCK_TYPE, AttributeValue::BlockType(BlockType::ScanLine)),
-        (standard_names::CHUNKS, AttributeValue::I32(chunks as i32)),
-        (standard_names::CHANNELS, AttributeValue::ChannelList(channel_list(part))),
-        (standard_names::COMPRESSION, AttributeValue::Compression(compression.in_file())),
-        (standard_names::DATA_WINDOW, window(part.size)),
-        // One for the whole file: the frame's.
-        (standard_names::DISPLAY_WINDOW, window(capture.parts[0].size)),
-        (standard_names::LINE_ORDER, AttributeValue::LineOrder(LineOrder::Increasing)),
-        (standard_names::PIXEL_ASPECT, AttributeValue::F32(1.0)),
-        (standard_names::WINDOW_CENTER, AttributeValue::FloatVec2(Vec2(0.0, 0.0))),
-        (standard_names::WINDOW_WIDTH, AttributeValue::F32(1.0)),
-    ]
+/// Everything before the table of offsets of a file with one deep part. `most`: samples of a pixel.
+pub(super) fn encode_deep(layout: &Layout, most: i32, metadata: &Metadata) -> Result<Vec<u8>> {
+    const VERSION: &[u8] = b"version";
+    const MOST: &[u8] = b"maxSamplesPerPixel";
+    check_attributes("deep", metadata.0.iter(), &[VERSION, MOST])?;
+    let long = metadata.0.iter().any(|(name, _)| name.len() > SHORT_NAME);
+    let mut bytes = begin(NOT_FLAT | if long { LONG_NAMES } else { 0 });
+    for (name, value) in layout.attributes() {
+        put(name, &value, &mut bytes)?;
+    }
+    put(VERSION, &AttributeValue::I32(1), &mut bytes)?;
+    put(MOST, &AttributeValue::I32(most), &mut bytes)?;
+    for (name, value) in &metadata.0 {
+        put(name.as_bytes(), &to_attribute(value), &mut bytes)?;
+    }
+    bytes.push(0);
+    Ok(bytes)
+}
+
+/// Flags in the file's version.
+const LONG_NAMES: u32 = 0x400;
+const NOT_FLAT: u32 = 0x800;
+const MULTI_PART: u32 = 0x1000;
+
+/// The first bytes of a file.
+fn begin(flags: u32) -> Vec<u8> {
+    const MAGIC: u32 = 20_000_630;
+    const VERSION: u32 = 2;
+    [MAGIC, VERSION | flags].iter().flat_map(|word| word.to_le_bytes()).collect()
+}
+
+fn put(name: &[u8], value: &AttributeValue, bytes: &mut Vec<u8>) -> Result<()> {
+    write_attribute(name, value, bytes)
+        .map_err(|e| Error::invalid(format!("attribute {:?}", String::from_utf8_lossy(name)), e.to_string()))
+}
+
+/// How a part lies in the file.
+pub(super) struct Layout<'a> {
+    pub(super) name: &'a str,
+    pub(super) kind: BlockType,
+    pub(super) chunks: u32,
+    pub(super) channels: ChannelList,
+    pub(super) compression: Compression,
+    pub(super) size: [u32; 2],
+    /// One for the whole file: the frame's.
+    pub(super) display: [u32; 2],
+}
+
+impl Layout<'_> {
+    fn attributes(&self) -> [(&'static [u8], AttributeValue); 11] {
+        let window = |[width, height]: [u32; 2]| {
+            AttributeValue::IntegerBounds(IntegerBounds::new(Vec2(0, 0), Vec2(width as usize, height as usize)))
+        };
+        [
+            (standard_names::NAME, AttributeValue::Text(text(self.name))),
+            (standard_names::BLOCK_TYPE, AttributeValue::BlockType(self.kind)),
+            (standard_names::CHUNKS, AttributeValue::I32(self.chunks as i32)),
+            (standard_names::CHANNELS, AttributeValue::ChannelList(self.channels.clone())),
+            (standard_names::COMPRESSION, AttributeValue::Compression(self.compression.in_file())),
+            (standard_names::DATA_WINDOW, window(self.size)),
+            (standard_names::DISPLAY_WINDOW, window(self.display)),
+            (standard_names::LINE_ORDER, AttributeValue::LineOrder(LineOrder::Increasing)),
+            (standard_names::PIXEL_ASPECT, AttributeValue::F32(1.0)),
+            (standard_names::WINDOW_CENTER, AttributeValue::FloatVec2(Vec2(0.0, 0.0))),
+            (standard_names::WINDOW_WIDTH, AttributeValue::F32(1.0)),
+        ]
+    }
 }
 
 /// Channels of a part in the order of the file: by the bytes of their names.
@@ -188,9 +236,14 @@ pub(super) fn channel_list(part: &Part) -> ChannelList {
             SampleKind::F32 => SampleType::F32,
             SampleKind::U32 => SampleType::U32,
         };
-        ChannelDescription::new(text(&channel.name), kind, false)
+        (&channel.name[..], kind)
     });
-    ChannelList::new(channels.collect())
+    self::channels(channels)
+}
+
+/// From names in the order of the file, and what their samples are.
+pub(super) fn channels<'a>(channels: impl Iterator<Item = (&'a str, SampleType)>) -> ChannelList {
+    ChannelList::new(channels.map(|(name, kind)| ChannelDescription::new(text(name), kind, false)).collect())
 }
 
 /// OpenEXR's strings are bytes; ours are UTF-8, as its own tools write them.

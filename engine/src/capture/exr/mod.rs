@@ -6,7 +6,10 @@
 
 mod blocks;
 mod codec;
+mod deep;
 mod header;
+
+pub use deep::write_deep_exr;
 
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;

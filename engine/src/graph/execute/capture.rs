@@ -119,10 +119,13 @@ fn extent([width, height, depth]: [u32; 3]) -> vk::Extent3D {
 /// Shape of what is captured, offset of each mip, bytes of a layer of each mip, bytes in all.
 fn captured_layout(shape: &Shape, range: Range) -> (Shape, Vec<u64>, Vec<u64>, u64) {
     match (shape, range) {
-        (Shape::Image(shape), Range::Image { mips, layers, .. }) => {
+        (Shape::Image(shape), Range::Image { aspects, mips, layers }) => {
             let at_mip = |mip: u32| shape.extent.map(|size| (size >> mip).max(1));
             let count = layers[1] - layers[0];
-            let texel = FormatInfo::of(shape.format).map_or(16, |info| u64::from(info.block_bytes));
+            let texel = match aspects {
+                vk::ImageAspectFlags::STENCIL => 1,
+                _ => FormatInfo::of(shape.format).map_or(16, |info| u64::from(info.block_bytes)),
+            };
             let (mut offsets, mut sizes, mut size) = (Vec::new(), Vec::new(), 0);
             for mip in mips[0]..mips[1] {
                 let layer = at_mip(mip).iter().map(|&s| u64::from(s)).product::<u64>() * texel;

@@ -95,6 +95,9 @@ fn render(
         };
         let array = layers[1] - layers[0] > 1;
         let kind = if array { vk::ImageViewType::TYPE_2D_ARRAY } else { vk::ImageViewType::TYPE_2D };
+        // Depth and stencil of one image are attached by one view, which shows both.
+        let color = vk::ImageAspectFlags::COLOR;
+        let aspects = if aspects == color { color } else { image.aspects() };
         let view = image.view(&ViewInfo { kind, aspects, mips, layers, ..image.whole() })?;
         Ok(vk::RenderingAttachmentInfo::default()
             .image_view(view)
@@ -105,8 +108,9 @@ fn render(
     };
     let color = attachments.color.iter().flatten().map(info).collect::<Result<Vec<_>>>()?;
     let depth = attachments.depth.as_ref().map(info).transpose()?;
+    let stencil = attachments.stencil.as_ref().map(info).transpose()?;
     let area = record::Area { size: attachments.size, layers: attachments.layers, view_mask };
-    record::begin_rendering(device, commands, &color, depth.as_ref(), area);
+    record::begin_rendering(device, commands, &color, [depth.as_ref(), stencil.as_ref()], area);
     let drawn = draw(&mut Recorder::new(device, commands, programs));
     record::end_rendering(device, commands);
     drawn

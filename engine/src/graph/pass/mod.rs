@@ -133,6 +133,7 @@ pub(in crate::graph) struct Attachments {
     /// By location; every place is filled when the description ends.
     pub(in crate::graph) color: Vec<Option<Attachment>>,
     pub(in crate::graph) depth: Option<Attachment>,
+    pub(in crate::graph) stencil: Option<Attachment>,
     pub(in crate::graph) size: [u32; 2],
     pub(in crate::graph) layers: u32,
 }

@@ -63,27 +63,23 @@ impl<'g, 'f> RasterPass<'g, 'f> {
     /// Tests and writes depth.
     pub fn depth(&mut self, handle: ImageHandle, load: Load<f32>) -> ImageHandle {
         let clear = |depth| vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth, stencil: 0 } };
-        let (load, clear) = map_load(load, clear);
-        let access = Access::depth_attachment_write();
-        let reads = load == vk::AttachmentLoadOp::LOAD;
-        self.cover("depth", &handle);
-        self.targets.depth = Some(handle.shape.format);
-        self.attachments.depth = Some(attachment(&handle, access, load, vk::AttachmentStoreOp::STORE, clear));
-        let (used, next) = self.graph.written(self.collected.pass, "depth", handle, reads, access);
-        self.graph.uses.push(used);
-        next
+        self.tested(Test::Depth, handle, map_load(load, clear))
     }
 
     /// Tests depth and leaves it as it is.
     pub fn depth_test(&mut self, handle: &ImageHandle) -> &mut Self {
-        let access = Access::depth_attachment_read();
-        self.cover("depth", handle);
-        self.targets.depth = Some(handle.shape.format);
-        let (load, store) = (vk::AttachmentLoadOp::LOAD, vk::AttachmentStoreOp::NONE);
-        self.attachments.depth = Some(attachment(handle, access, load, store, vk::ClearValue::default()));
-        let used = self.graph.used("depth", handle, access);
-        self.graph.uses.push(used);
-        self
+        self.only_tested(Test::Depth, handle)
+    }
+
+    /// Tests and writes the stencil. Together with depth, both are parts of one image ([`Graph::split_aspects`]).
+    pub fn stencil(&mut self, handle: ImageHandle, load: Load<u32>) -> ImageHandle {
+        let clear = |stencil| vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: 0.0, stencil } };
+        self.tested(Test::Stencil, handle, map_load(load, clear))
+    }
+
+    /// Tests the stencil and leaves it as it is.
+    pub fn stencil_test(&mut self, handle: &ImageHandle) -> &mut Self {
+        self.only_tested(Test::Stencil, handle)
     }
 
     /// Counts the samples that pass all tests, exactly and over all draws of this pass, which therefore runs whoever
@@ -98,9 +94,14 @@ impl<'g, 'f> RasterPass<'g, 'f> {
         let Self { graph, collected, programs, targets, attachments } = self;
         let name = &collected.name;
         if attachments.size == [0; 2] {
-            graph.mistake(Some(name), None, "has no attachment".into(), "colour or depth, or an area".into());
+            graph.mistake(Some(name), None, "has no attachment".into(), "colour, depth or stencil, or an area".into());
         }
         for program in &programs {
+            let asked = [(Test::Depth, program.depth.is_some()), (Test::Stencil, program.stencil.is_some())];
+            for (test, _) in asked.iter().filter(|(test, asks)| *asks && attachments.of(*test).is_none()) {
+                let wrong = format!("is tested by the program of {}, and the pass has none", program.vertex.file);
+                graph.mistake(Some(name), Some(test.name()), wrong, "an attachment for it".into());
+            }
             for output in program.fragment.map_or(&[][..], |shader| shader.outputs) {
                 if output.location as usize >= attachments.color.len() {
                     let file = program.fragment.map_or("", |shader| shader.file);
@@ -141,10 +142,60 @@ impl<'g, 'f> RasterPass<'g, 'f> {
         next
     }
 
+    fn tested(
+        &mut self,
+        test: Test,
+        handle: ImageHandle,
+        (load, clear): (vk::AttachmentLoadOp, vk::ClearValue),
+    ) -> ImageHandle {
+        let access = Access::depth_attachment_write();
+        let reads = load == vk::AttachmentLoadOp::LOAD;
+        self.attach(test, &handle, attachment(&handle, access, load, vk::AttachmentStoreOp::STORE, clear));
+        let (used, next) = self.graph.written(self.collected.pass, test.name(), handle, reads, access);
+        self.graph.uses.push(used);
+        next
+    }
+
+    fn only_tested(&mut self, test: Test, handle: &ImageHandle) -> &mut Self {
+        let access = Access::depth_attachment_read();
+        let (load, store) = (vk::AttachmentLoadOp::LOAD, vk::AttachmentStoreOp::NONE);
+        self.attach(test, handle, attachment(handle, access, load, store, vk::ClearValue::default()));
+        let used = self.graph.used(test.name(), handle, access);
+        self.graph.uses.push(used);
+        self
+    }
+
+    /// Makes it the pass's depth or stencil attachment.
+    fn attach(&mut self, test: Test, handle: &ImageHandle, attachment: Attachment) {
+        let (slot, format) = (test.name(), handle.shape.format);
+        self.cover(slot, handle);
+        if !handle.aspects().contains(test.aspect()) {
+            let wrong = format!("is {format:?}, of which it holds {:?}", handle.aspects());
+            self.graph.mistake(
+                Some(&self.collected.name),
+                Some(slot),
+                wrong,
+                format!("the aspect {:?}", test.aspect()),
+            );
+        }
+        let other = self.attachments.of(test.other());
+        if other.is_some_and(|other| other.resource != handle.resource) {
+            let wrong = format!("is another image than the pass's {}", test.other().name());
+            let allowed = "two aspects of one image".into();
+            self.graph.mistake(Some(&self.collected.name), Some(slot), wrong, allowed);
+        }
+        let (format_of, place) = match test {
+            Test::Depth => (&mut self.targets.depth, &mut self.attachments.depth),
+            Test::Stencil => (&mut self.targets.stencil, &mut self.attachments.stencil),
+        };
+        (*format_of, *place) = (Some(format), Some(attachment));
+    }
+
     /// All attachments of a pass have one size and one number of layers.
     fn cover(&mut self, slot: &str, handle: &ImageHandle) {
         let (size, layers) = (handle.size(), handle.layers()[1] - handle.layers()[0]);
-        let first = self.attachments.color.is_empty() && self.attachments.depth.is_none();
+        let Attachments { color, depth, stencil, .. } = &self.attachments;
+        let first = color.is_empty() && depth.is_none() && stencil.is_none();
         if !first && (self.attachments.size != size || self.attachments.layers != layers) {
             let describe = |size: [u32; 2], layers| format!("{}×{} with {layers} layers", size[0], size[1]);
             let wrong = format!("is {}", describe(size, layers));
@@ -153,6 +204,45 @@ impl<'g, 'f> RasterPass<'g, 'f> {
             self.graph.mistake(Some(&self.collected.name), Some(slot), wrong, allowed);
         }
         (self.attachments.size, self.attachments.layers) = (size, layers);
+    }
+}
+
+/// What fragments are tested against.
+#[derive(Clone, Copy)]
+enum Test {
+    Depth,
+    Stencil,
+}
+
+impl Test {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Depth => "depth",
+            Self::Stencil => "stencil",
+        }
+    }
+
+    fn aspect(self) -> vk::ImageAspectFlags {
+        match self {
+            Self::Depth => vk::ImageAspectFlags::DEPTH,
+            Self::Stencil => vk::ImageAspectFlags::STENCIL,
+        }
+    }
+
+    fn other(self) -> Self {
+        match self {
+            Self::Depth => Self::Stencil,
+            Self::Stencil => Self::Depth,
+        }
+    }
+}
+
+impl Attachments {
+    fn of(&self, test: Test) -> Option<&Attachment> {
+        match test {
+            Test::Depth => self.depth.as_ref(),
+            Test::Stencil => self.stencil.as_ref(),
+        }
     }
 }
 

@@ -169,9 +169,25 @@ impl Voxels {
         Ok(Self { grid: *grid, axis, words })
     }
 
+    /// Those that `is_set` says, with columns along z.
+    pub fn from_fn(grid: &Grid, is_set: impl Fn([u32; 3]) -> bool) -> Self {
+        let [width, height, depth] = grid.size;
+        let mut words = vec![0; grid.words(Axis::Z) as usize];
+        let columns = (0..depth).flat_map(|k| (0..height).flat_map(move |j| (0..width).map(move |i| [i, j, k])));
+        for [i, j, k] in columns.filter(|&voxel| is_set(voxel)) {
+            words[(k as usize / 32 * height as usize + j as usize) * width as usize + i as usize] |= 1 << (k % 32);
+        }
+        Self { grid: *grid, axis: Axis::Z, words }
+    }
+
     /// Where the voxels are.
     pub fn grid(&self) -> &Grid {
         &self.grid
+    }
+
+    /// The axis that columns run along.
+    pub fn axis(&self) -> Axis {
+        self.axis
     }
 
     /// Whether a voxel is set; nothing outside the grid is.

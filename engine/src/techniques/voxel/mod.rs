@@ -2,9 +2,14 @@
 //! into the bits of one regular grid, by the conventions of [`Grid`].
 
 pub mod bitmask;
+mod columns;
 pub mod conservative;
 mod grid;
+pub mod ray_marching;
 pub mod six_separating;
+pub mod stencil;
 mod surface;
+pub mod winding;
 
+pub use columns::FillRule;
 pub use grid::{Axis, Grid, MAX_RESOLUTION, VoxelBits, Voxels};

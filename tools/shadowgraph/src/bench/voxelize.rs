@@ -10,6 +10,8 @@ use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::{GpuScene, Material, Mesh, Object, Primitive, Scene};
 use shadowgraph::techniques::voxel::bitmask::{Bitmask, Combine};
 use shadowgraph::techniques::voxel::conservative::Conservative;
+use shadowgraph::techniques::voxel::stencil::Stencil;
+use shadowgraph::techniques::voxel::winding::Winding;
 use shadowgraph::techniques::voxel::{Grid, VoxelBits};
 
 use super::{Measurement, median, milliseconds};
@@ -25,13 +27,20 @@ const CASES: [(u32, u32); 8] =
 #[derive(Clone, Copy)]
 enum Method {
     Solid(Combine),
+    Stencil,
+    Winding,
     Conservative,
 }
 
-const METHODS: [(&str, Method); 4] = [
+/// Most slices times triangles that are drawn one slice after the other.
+const MOST_SLICED: usize = 20_000_000;
+
+const METHODS: [(&str, Method); 6] = [
     ("bitmask", Method::Solid(Combine::Bit)),
     ("bitmask, masks", Method::Solid(Combine::Masks)),
     ("bitmask, logic", Method::Solid(Combine::LogicOp)),
+    ("winding", Method::Winding),
+    ("stencil", Method::Stencil),
     ("conservative", Method::Conservative),
 ];
 
@@ -39,6 +48,8 @@ impl Method {
     fn record<'f>(self, graph: &mut Graph<'f>, scene: &'f GpuScene, grid: &Grid) -> shadowgraph::Result<VoxelBits> {
         match self {
             Self::Solid(combine) => Bitmask { combine, ..Bitmask::default() }.record(graph, scene, grid),
+            Self::Stencil => Stencil::default().record(graph, scene, grid),
+            Self::Winding => Winding::default().record(graph, scene, grid),
             Self::Conservative => Conservative::default().record(graph, scene, grid),
         }
     }
@@ -50,7 +61,9 @@ pub fn run(arguments: &BenchArguments, tell: &mut impl FnMut(Measurement) -> Res
     let measured = CASES.iter().try_for_each(|&(segments, resolution)| {
         let scene = sphere(segments);
         let triangles = scene.meshes[0].primitives[0].indices.len() / 3;
-        for (name, method) in METHODS {
+        let fits =
+            |method: Method| !matches!(method, Method::Stencil) || triangles * resolution as usize <= MOST_SLICED;
+        for (name, method) in METHODS.into_iter().filter(|&(_, method)| fits(method)) {
             let (time, set) = measure(&gpu, &scene, method, resolution, arguments.runs as usize)?;
             let case = format!("{name}, {triangles} triangles, {resolution}");
             let told = |metric: &str, value, unit| Measurement {

@@ -73,6 +73,6 @@ impl ABuffer {
         // 4. Sort and composite.
         let built = Built { name: NAME, nodes, linked: false, scanned, work, frame };
         let Resolved { color, report, front } = self.resolve(graph, view, &built, resolved);
-        Composited { color, count, front, report, totals: built.scanned.told, counter: None }
+        Composited { color, count, front, nodes: Some(built.nodes), report, totals: built.scanned.told, counter: None }
     }
 }

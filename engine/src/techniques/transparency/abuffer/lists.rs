@@ -50,7 +50,15 @@ impl ABuffer {
                 // 2. Sort and composite.
                 let (built, count) = self.listed(graph, "abuffer", lists, count, frame);
                 let Resolved { color, report, front } = self.resolve(graph, view, &built, onto);
-                Composited { color, count, front, report, totals: built.scanned.told, counter: Some(counter) }
+                Composited {
+                    color,
+                    count,
+                    front,
+                    nodes: None,
+                    report,
+                    totals: built.scanned.told,
+                    counter: Some(counter),
+                }
             }
             Sizing::Guessed(capacity) => {
                 // 1. Lists of so many nodes; the counter counts all fragments.
@@ -77,7 +85,15 @@ impl ABuffer {
                 let onto = self.resolve(graph, view, &built, onto);
                 let (built, count) = self.listed(graph, "abuffer.redone", redone, count, frame);
                 let Resolved { color, report, front } = self.resolve(graph, view, &built, onto);
-                Composited { color, count, front, report, totals: built.scanned.told, counter: Some(counter) }
+                Composited {
+                    color,
+                    count,
+                    front,
+                    nodes: None,
+                    report,
+                    totals: built.scanned.told,
+                    counter: Some(counter),
+                }
             }
         }
     }

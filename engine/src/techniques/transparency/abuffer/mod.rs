@@ -10,7 +10,7 @@ mod node;
 mod resolve;
 mod scan;
 
-pub use node::{COMPACT_TRIANGLES, NodeFormat};
+pub use node::{COMPACT_TRIANGLES, Node, NodeFormat};
 pub use resolve::MOST_LAYERS;
 
 use self::scan::Scanned;
@@ -68,6 +68,9 @@ pub struct Composited {
     pub count: ImageHandle,
     /// Distance of the nearest layer along the view axis, metres, R32 float; infinite where there is none.
     pub front: ImageHandle,
+    /// Nodes of [`Build::Arrays`], R32G32B32A32 uint texels row by row, for [`ABuffer::unpack`]: those of the first pixel,
+    /// then those of the next in its row, each pixel's in any order.
+    pub nodes: Option<ImageHandle>,
     /// One [`blocks::ABufferReport`].
     pub report: BufferHandle,
     /// Sums over all pixels; once the frame has run.

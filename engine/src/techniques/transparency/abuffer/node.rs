@@ -1,5 +1,7 @@
 //! What is kept of a fragment (`node.glsl`).
 
+use half::f16;
+
 use crate::gpu::Caps;
 use crate::shader::Program;
 use crate::shader::generated::transparency::abuffer::array_frag as shader;
@@ -47,6 +49,17 @@ impl NodeFormat {
     }
 }
 
+/// A node of an array, on the host.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Node {
+    /// Of the depth buffer, reversed.
+    pub depth: f32,
+    /// Of nodes of equal depth, the one of the larger key is in front.
+    pub key: u32,
+    /// Premultiplied.
+    pub color: [f32; 4],
+}
+
 /// Size of an image of so many texels, at least of one row.
 pub(super) fn texels_size(texels: u64) -> [u32; 2] {
     [ROW, texels.div_ceil(u64::from(ROW)).max(1) as u32]
@@ -86,8 +99,61 @@ impl ABuffer {
         (self.exponent.clamp(-64, 64) as f32).exp2()
     }
 
+    /// Nodes from the texels of [`super::Composited::nodes`], as `node.glsl` packed them.
+    pub fn unpack(&self, texels: &[[u32; 4]]) -> Vec<Node> {
+        let unit = self.unit();
+        let scaled = |[red, green, blue]: [f32; 3], alpha: f32| [red * unit, green * unit, blue * unit, alpha];
+        let float = |word: u32| f32::from_bits(word);
+        let halves = |word: u32| [word as u16, (word >> 16) as u16].map(|bits| f16::from_bits(bits).to_f32());
+        let node = |texels: &[[u32; 4]]| {
+            let [depth, key, low, high] = texels[0];
+            let color = match self.format {
+                NodeFormat::Compact => scaled(shared_exponent(low), (key & 255) as f32 / 255.0),
+                NodeFormat::Half => {
+                    let ([red, green], [blue, alpha]) = (halves(low), halves(high));
+                    scaled([red, green, blue], alpha)
+                }
+                NodeFormat::Float => {
+                    let [red, green, blue, alpha] = texels[1].map(float);
+                    scaled([red, green, blue], alpha)
+                }
+            };
+            Node { depth: float(depth), key, color }
+        };
+        texels.chunks_exact(self.format.texels(false) as usize).map(node).collect()
+    }
+
     /// `program` with the constants of `node.glsl`.
     pub(super) fn specialized(&self, program: Program) -> Program {
         program.constant(shader::NODE_FORMAT, self.format.number()).constant(shader::NODE_UNIT, self.unit())
+    }
+}
+
+/// Red, green and blue of RGB9E5 (`EXT_texture_shared_exponent`).
+fn shared_exponent(word: u32) -> [f32; 3] {
+    let scale = ((word >> 27) as f32 - 15.0 - 9.0).exp2();
+    [word, word >> 9, word >> 18].map(|mantissa| (mantissa & 511) as f32 * scale)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nodes_are_unpacked_as_they_were_packed() {
+        let unpacked =
+            |format, texels: &[[u32; 4]]| ABuffer { format, exponent: 1, ..ABuffer::default() }.unpack(texels);
+        let depth = 0.25_f32.to_bits();
+        // 2⁻¹ · (256, 128, 1) / 256, as RGB9E5 has it: mantissas of nine bits, scale 2^(exponent - 24).
+        let shared = 256 | 128 << 9 | 1 << 18 | 15 << 27;
+        let color = [1.0, 0.5, 1.0 / 256.0, 1.0];
+        let node = Node { depth: 0.25, key: 7 << 8 | 255, color };
+        assert_eq!(unpacked(NodeFormat::Compact, &[[depth, 7 << 8 | 255, shared, 0]]), [node]);
+        let half = |value: f32| u32::from(f16::from_f32(value).to_bits());
+        let texel = [depth, 9, half(0.5) | half(0.25) << 16, half(1.5) | half(0.75) << 16];
+        let node = Node { depth: 0.25, key: 9, color: [1.0, 0.5, 3.0, 0.75] };
+        assert_eq!(unpacked(NodeFormat::Half, &[texel]), [node]);
+        let second = [0.5_f32, 0.25, 1.5, 0.75].map(f32::to_bits);
+        assert_eq!(unpacked(NodeFormat::Float, &[[depth, 9, 0, 0], second]), [node]);
     }
 }

@@ -5,11 +5,11 @@
 
 use ash::vk;
 
-use super::{Axis, Grid, VoxelBits};
+use super::{Axis, Grid, VoxelBits, columns};
 use crate::Result;
-use crate::gpu::{Caps, Feature};
+use crate::gpu::Feature;
 use crate::graph::{Graph, ImageHandle, ImageShape, Load, RasterPass};
-use crate::scene::{Faces, GpuScene, POSITIONS};
+use crate::scene::{Faces, GpuScene};
 use crate::shader::generated::voxel::bitmask::{
     columns_vert, flip_bit_frag, flip_mask_frag, flip_targets_1_frag, flip_targets_2_frag, flip_targets_4_frag,
     flip_targets_8_frag, gather_comp, prefix_comp,
@@ -95,9 +95,12 @@ impl Bitmask {
         let masks = graph.image("voxel.masks", shape);
         let layers = graph.split_layers(masks);
         let (shader, slots) = FLIP_TARGETS[targets.ilog2() as usize];
-        let program = Program { logic_op: Some(vk::LogicOp::XOR), ..columns(graph.caps(), shader) };
+        let program = Program {
+            logic_op: Some(vk::LogicOp::XOR),
+            ..columns::program(graph.caps(), &columns_vert::SHADER, shader)
+        };
         let mut pass = graph.raster("voxel.bitmask", vec![program]);
-        pass.uniform(columns_vert::VOXEL_GRID, &grid.block(self.axis));
+        columns::bind(&mut pass, scene, grid, self.axis);
         let attach = |(&slot, layer)| pass.color_uint(slot, layer, Load::Clear([0; 4]));
         let written = slots.iter().zip(layers).map(attach).collect();
         draw(pass, scene);
@@ -105,16 +108,8 @@ impl Bitmask {
     }
 }
 
-fn columns(caps: &Caps, fragment: &'static Shader) -> Program {
-    let subpixels = 1 << caps.limits.sub_pixel_bits;
-    Program::new(&columns_vert::SHADER, Some(fragment))
-        .vertex_buffers(POSITIONS)
-        .constant(columns_vert::SUBPIXELS, subpixels)
-}
-
 /// Draws every triangle of the scene, whichever way it faces.
-fn draw<'f>(mut pass: RasterPass<'_, 'f>, scene: &'f GpuScene) {
-    pass.constant(columns_vert::INSTANCES, &scene.instances);
+fn draw<'f>(pass: RasterPass<'_, 'f>, scene: &'f GpuScene) {
     pass.draw(move |recorder| {
         scene.draw(recorder, Faces::Both, scene.draws.draws());
         Ok(())
@@ -125,8 +120,10 @@ fn flip<'f>(graph: &mut Graph<'f>, scene: &'f GpuScene, voxels: VoxelBits, fragm
     let VoxelBits { bits, grid, axis } = voxels;
     let [width, height, _] = grid.columns(axis);
     let bits = graph.fill("voxel.clear", bits, 0);
-    let mut pass = graph.raster("voxel.bitmask", vec![columns(graph.caps(), fragment)]);
-    pass.area([width, height]).uniform(columns_vert::VOXEL_GRID, &grid.block(axis));
+    let program = columns::program(graph.caps(), &columns_vert::SHADER, fragment);
+    let mut pass = graph.raster("voxel.bitmask", vec![program]);
+    pass.area([width, height]);
+    columns::bind(&mut pass, scene, &grid, axis);
     let bits = pass.write(flip_bit_frag::BITS, bits);
     draw(pass, scene);
     VoxelBits { bits, grid, axis }

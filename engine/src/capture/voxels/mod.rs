@@ -1,0 +1,105 @@
+//! Voxel grids on disk, in the formats of arrays, of voxel tools, of pictures and of meshes.
+
+mod binvox;
+mod glb;
+mod magica;
+mod slices;
+
+use std::path::Path;
+
+use super::{Capture, Channel, Compression, ExrOptions, Part, Samples, Value, write_exr, write_npy};
+use crate::techniques::voxel::Voxels;
+use crate::{Error, Result};
+
+/// What a file of voxels is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VoxelFormat {
+    /// NumPy array of `uint8`, 0 or 1, indexed `[z, y, x]`.
+    Npy,
+    /// NumPy array of `uint8`, eight voxels a byte along x, the first one the lowest bit, indexed `[z, y, x / 8]`:
+    /// `numpy.unpackbits(array, axis=2, count=width, bitorder="little")` gives what [`VoxelFormat::Npy`] holds.
+    PackedNpy,
+    /// binvox (Min, *binvox: 3D mesh voxelizer*): runs of equal voxels.
+    Binvox,
+    /// MagicaVoxel's models of at most 256 voxels an axis, y up as z up, in one grey.
+    Vox,
+    /// OpenEXR with a part a slice along z, `z0000` and on: x to the right, y up, channel `voxel`, `uint`.
+    Exr,
+    /// glTF binary: the faces between set and other voxels, in world space, equal neighbours merged.
+    Glb,
+    /// A picture of slices along z from the left and the top, x to the right, y up. Where there are too many, as many
+    /// of them as fit into 4096 pixels, evenly spread.
+    Png,
+}
+
+impl VoxelFormat {
+    /// All of them.
+    pub const ALL: [Self; 7] = [Self::Npy, Self::PackedNpy, Self::Binvox, Self::Vox, Self::Exr, Self::Glb, Self::Png];
+
+    /// How names of such files end.
+    pub fn end(self) -> &'static str {
+        match self {
+            Self::Npy => ".npy",
+            Self::PackedNpy => ".packed.npy",
+            Self::Binvox => ".binvox",
+            Self::Vox => ".vox",
+            Self::Exr => ".exr",
+            Self::Glb => ".glb",
+            Self::Png => ".png",
+        }
+    }
+
+    /// The format that the name of a file asks for, in any case of letters.
+    pub fn of(path: &Path) -> Option<Self> {
+        let name = path.file_name()?.to_string_lossy().to_lowercase();
+        let asked = |format: &Self| name.ends_with(format.end());
+        Self::ALL.into_iter().filter(asked).max_by_key(|format| format.end().len())
+    }
+}
+
+/// Writes voxels. The file appears whole or not at all, and the same voxels give the same bytes.
+///
+/// # Errors
+/// [`Error::Io`] where the file cannot be written; [`Error::Invalid`] where the format cannot hold so much.
+pub fn write_voxels(path: &Path, voxels: &Voxels, format: VoxelFormat) -> Result<()> {
+    let [width, height, depth] = voxels.grid().size().map(|n| n as usize);
+    match format {
+        VoxelFormat::Npy => write_npy(path, &[depth, height, width], &voxels.bytes()),
+        VoxelFormat::PackedNpy => write_npy(path, &[depth, height, width.div_ceil(8)], &packed(voxels)),
+        VoxelFormat::Binvox => binvox::write(path, voxels),
+        VoxelFormat::Vox => magica::write(path, voxels),
+        VoxelFormat::Exr => write_exr(path, &parts(voxels), &ExrOptions { compression: Compression::Rle }),
+        VoxelFormat::Glb => glb::write(path, voxels),
+        VoxelFormat::Png => slices::write(path, voxels),
+    }
+}
+
+/// Eight voxels of a row a byte.
+fn packed(voxels: &Voxels) -> Vec<u8> {
+    let [width, height, depth] = voxels.grid().size();
+    let rows = (0..depth).flat_map(|z| (0..height).map(move |y| [y, z]));
+    let starts = rows.flat_map(|[y, z]| (0..width).step_by(8).map(move |x| [x, y, z]));
+    let bits = |[x, y, z]: [u32; 3]| (0..8).fold(0, |byte, bit| byte | u8::from(voxels.get([x + bit, y, z])) << bit);
+    starts.map(bits).collect()
+}
+
+/// A part a slice.
+fn parts(voxels: &Voxels) -> Capture {
+    let grid = voxels.grid();
+    let [width, height, depth] = grid.size();
+    let part = |z: u32| {
+        let rows = (0..height).rev().flat_map(|y| (0..width).map(move |x| [x, y, z]));
+        let samples = rows.map(|voxel| u32::from(voxels.get(voxel))).collect();
+        let channels = vec![Channel::new("voxel", Samples::U32(samples))];
+        Part { name: format!("z{z:04}"), size: [width, height], channels, ..Part::default() }
+    };
+    let mut capture = Capture { parts: (0..depth).map(part).collect(), ..Capture::default() };
+    capture.metadata.add("shadowgraph/voxelGridMin", Value::Vec3(grid.min()));
+    capture.metadata.add("shadowgraph/voxelEdge", Value::F32(grid.edge()));
+    capture
+}
+
+/// What is wrong with voxels for a format.
+fn too_many(path: &Path, why: String) -> Error {
+    Error::invalid(format!("{}", path.display()), why)
+}

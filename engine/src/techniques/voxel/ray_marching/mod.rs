@@ -1,0 +1,64 @@
+//! Which points see which? Segments are walked from voxel to voxel, and over empty blocks of them at once.
+//!
+//! Source: Amanatides and Woo 1987, "A Fast Voxel Traversal Algorithm for Ray Tracing", for the walk; Crassin, Neyret,
+//! Lefebvre and Eisemann 2009, "GigaVoxels", for the skipping of empty nodes of a hierarchy.
+
+mod pyramid;
+
+pub use pyramid::{Level, Pyramid};
+
+use super::VoxelBits;
+use crate::graph::{BufferHandle, Graph};
+use crate::shader::generated::blocks;
+pub use crate::shader::generated::blocks::Segment;
+use crate::shader::generated::voxel::ray_marching::march_comp;
+
+/// Any-hit visibility between pairs of points, through the bits of a grid.
+///
+/// A segment is blocked where a point of it lies in a set voxel, but for the voxels that hold its two ends: a point on a
+/// surface may lie in a voxel of that surface. Voxels are half open, so that a point lies in one of them. Ends are rounded to 1/4096 voxel, towards
+/// the grid's lower corner; the part of a segment outside of the grid meets nothing. From end to origin the answer is the
+/// same, but for the rounding of segments that reach out of the grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RayMarching {
+    /// Levels of the pyramid to skip by, at most; 0 for a walk from voxel to voxel. The answers are the same.
+    pub levels: u32,
+}
+
+impl Default for RayMarching {
+    fn default() -> Self {
+        Self { levels: u32::MAX }
+    }
+}
+
+/// Segments in a row of invocations.
+const ROW: u32 = 1 << 20;
+
+impl RayMarching {
+    /// A word for each [`Segment`] of a buffer: 1 where it is blocked, 0 where one end sees the other.
+    pub fn record(
+        &self,
+        graph: &mut Graph,
+        voxels: &VoxelBits,
+        pyramid: &Pyramid,
+        segments: &BufferHandle,
+    ) -> BufferHandle {
+        let count = (segments.size() / size_of::<Segment>() as u64) as u32;
+        let blocked = graph.buffer("voxel.blocked", 4 * u64::from(count.max(1)));
+        let mut level_begins = [0; 11];
+        for (begin, level) in level_begins.iter_mut().zip(pyramid.levels()) {
+            *begin = level.begin;
+        }
+        let coarsest = self.levels.min(pyramid.levels().len() as u32 - 1);
+        let mut pass = graph.compute("voxel.ray_marching", &march_comp::SHADER);
+        pass.uniform(march_comp::VOXEL_GRID, &voxels.grid.block(voxels.axis))
+            .uniform(march_comp::PYRAMID_LEVELS, &blocks::PyramidLevels { level_begins })
+            .read(march_comp::BITS, &voxels.bits)
+            .read(march_comp::PYRAMID, &pyramid.words)
+            .read(march_comp::SEGMENTS, segments)
+            .push(&blocks::MarchPush { count, row: ROW, coarsest });
+        let blocked = pass.write(march_comp::BLOCKED, blocked);
+        pass.dispatch([count.min(ROW), count.div_ceil(ROW), 1]);
+        blocked
+    }
+}

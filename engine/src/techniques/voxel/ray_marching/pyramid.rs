@@ -1,0 +1,66 @@
+//! Coarser and coarser bits of a grid, for walks that skip what is empty.
+
+use crate::graph::{BufferHandle, Graph};
+use crate::shader::generated::blocks;
+use crate::shader::generated::voxel::ray_marching::{reduce_bits_comp, reduce_comp};
+use crate::techniques::voxel::VoxelBits;
+
+/// Levels 1 and above of a pyramid of bits on the device; level 0 are the voxels themselves. A voxel of a level is set where any
+/// of the 2×2×2 below it is.
+pub struct Pyramid {
+    /// The words of all levels, one behind the other; each lies as [`VoxelBits::bits`] do.
+    pub words: BufferHandle,
+    levels: Vec<Level>,
+}
+
+/// Where a level lies, and its size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Level {
+    /// In words, from the beginning of the buffer. 0 for level 0, which is not in it.
+    pub begin: u32,
+    /// Voxels in column coordinates: columns across, and voxels in one.
+    pub size: [u32; 3],
+}
+
+impl Level {
+    fn words(&self) -> u32 {
+        self.size[0] * self.size[1] * self.size[2].div_ceil(32)
+    }
+}
+
+impl Pyramid {
+    /// Makes the levels up to a single voxel.
+    pub fn record(graph: &mut Graph, voxels: &VoxelBits) -> Self {
+        // 1. Where they lie.
+        let mut levels = vec![Level { begin: 0, size: voxels.grid.columns(voxels.axis) }];
+        let mut end = 0;
+        while let Some(finer) = levels.last().filter(|level| level.size != [1; 3]) {
+            let level = Level { begin: end, size: finer.size.map(|n| n.div_ceil(2)) };
+            end += level.words();
+            levels.push(level);
+        }
+        // 2. Each from the one below.
+        let mut words = graph.buffer("voxel.pyramid", 4 * u64::from(end.max(1)));
+        for (number, pair) in levels.windows(2).enumerate() {
+            let [finer, coarser] = [pair[0], pair[1]];
+            let from_bits = number == 0;
+            let shader = if from_bits { &reduce_bits_comp::SHADER } else { &reduce_comp::SHADER };
+            let mut pass = graph.compute(format!("voxel.pyramid.{}", number + 1), shader);
+            pass.push(&blocks::ReducePush { size: finer.size, finer: finer.begin, coarser: coarser.begin });
+            if from_bits {
+                pass.read(reduce_bits_comp::BITS, &voxels.bits);
+                words = pass.write(reduce_bits_comp::PYRAMID, words);
+            } else {
+                words = pass.write(reduce_comp::PYRAMID, words);
+            }
+            let [width, height, depth] = coarser.size;
+            pass.dispatch([width, height, depth.div_ceil(32)]);
+        }
+        Self { words, levels }
+    }
+
+    /// Levels, from the voxels themselves to a single one.
+    pub fn levels(&self) -> &[Level] {
+        &self.levels
+    }
+}

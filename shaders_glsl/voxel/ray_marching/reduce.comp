@@ -1,0 +1,3 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#include "voxel/ray_marching/reduce.glsl"

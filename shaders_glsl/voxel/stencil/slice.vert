@@ -1,0 +1,9 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#include "common/voxel_columns.glsl"
+
+// One slice a pass.
+
+void main() {
+    look_along_columns();
+}

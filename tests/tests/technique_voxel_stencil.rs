@@ -1,0 +1,96 @@
+//! Solid voxels counted slice by slice against winding numbers along rays, and against the bits of XOR.
+#![allow(missing_docs, clippy::unwrap_used)]
+
+use glam::{Mat4, Vec3};
+use shadowgraph::gpu::Gpu;
+use shadowgraph::scene::Scene;
+use shadowgraph::techniques::voxel::bitmask::Bitmask;
+use shadowgraph::techniques::voxel::stencil::{Slices, Stencil};
+use shadowgraph::techniques::voxel::{Axis, FillRule, Grid, Voxels};
+use shadowgraph_tests::device::{shared, silent};
+use shadowgraph_tests::figures;
+use shadowgraph_tests::harness;
+use shadowgraph_tests::solids::{self, awkward, bounds, front, one, soup, torus};
+use shadowgraph_tests::{tiny, twin};
+
+fn voxelize(gpu: &Gpu, scene: &Scene, grid: &Grid, technique: Stencil) -> Voxels {
+    solids::voxelize(gpu, scene, grid, |graph, scene| technique.record(graph, scene, grid))
+}
+
+#[test]
+fn voxel_stencil_agrees_with_its_reference() {
+    let gpu = shared();
+    let figures = solids::by_both_rules(gpu, |scene, grid, axis, rule| {
+        voxelize(gpu, scene, grid, Stencil { axis, rule, ..Stencil::default() })
+    });
+    silent(gpu);
+    let picture = harness::require_scene("Boot/Boot.glb").map(|path| {
+        let scene = Scene::load(&path).unwrap();
+        front(&voxelize(gpu, &scene, &Grid::around(&bounds(&scene), 160).unwrap(), Stencil::default()))
+    });
+    figures::publish(gpu, "voxel", "stencil", &figures, picture.as_ref());
+}
+
+#[test]
+fn voxel_stencil_with_a_seeded_mistake_is_caught() {
+    let gpu = shared();
+    let truth = one("torus", vec![(torus(48, 24), awkward())]);
+    let grid = Grid::around(&bounds(&truth), 64).unwrap();
+    let triangles = twin::voxel::in_grid(&truth, &grid);
+    let wound: Vec<_> = twin::voxel::windings(&triangles, grid.size()).iter().map(|&winding| winding != 0).collect();
+    let far = |scene: &Scene| solids::compare(&voxelize(gpu, scene, &grid, Stencil::default()), &triangles, &wound)[2];
+    assert_eq!(far(&truth), 0);
+    // A twentieth of a voxel aside; a triangle lost; a triangle turned around.
+    let mut aside = truth.clone();
+    aside.objects[0].world_from_object = Mat4::from_translation(Vec3::X * 0.05 * grid.edge()) * awkward();
+    assert!(far(&aside) > 0);
+    let mut holed = truth.clone();
+    holed.meshes[0].primitives[0].indices.drain(..3);
+    assert!(far(&holed) > 0);
+    let mut turned = truth.clone();
+    turned.meshes[0].primitives[0].indices.swap(0, 1);
+    assert!(far(&turned) > 0);
+    silent(gpu);
+}
+
+#[test]
+fn solids_that_overlap_are_one_where_xor_has_a_hole() {
+    let gpu = shared();
+    let (scene, grid) = solids::overlapping_cubes();
+    for axis in [Axis::X, Axis::Y, Axis::Z] {
+        let of = |rule| voxelize(gpu, &scene, &grid, Stencil { axis, rule, ..Stencil::default() }).count();
+        let bitmask = Bitmask { axis, ..Bitmask::default() };
+        let xor = solids::voxelize(gpu, &scene, &grid, |graph, scene| bitmask.record(graph, scene, &grid)).count();
+        assert_eq!([of(FillRule::NonZero), of(FillRule::EvenOdd), xor], [960, 896, 896], "{axis:?}");
+    }
+    silent(gpu);
+}
+
+#[test]
+fn portable_slices_are_the_same_in_layers_and_alone() {
+    let gpu = shared();
+    // Nothing of the scene is cut off by the sides of the grid that it reaches out of.
+    let parts = vec![(soup(50), Mat4::IDENTITY), (tiny::cuboid(Vec3::splat(-1.0), Vec3::splat(0.3), 0), awkward())];
+    let scene = one("tetrahedra", parts);
+    let grid = Grid::new(Vec3::splat(-0.1), 0.01, [120, 110, 67]).unwrap();
+    for rule in [FillRule::NonZero, FillRule::EvenOdd] {
+        let [layered, separate] = [Slices::Layered, Slices::Separate]
+            .map(|slices| voxelize(gpu, &scene, &grid, Stencil { axis: Axis::Y, rule, slices }));
+        assert!(layered.count() > 1000 && layered == separate, "{rule:?}");
+    }
+    silent(gpu);
+}
+
+#[test]
+fn a_grid_of_many_slabs_is_found_slab_by_slab() {
+    let gpu = shared();
+    // 1024 × 1024 pixels take 32 slices at a time; the last slab has 6.
+    let scene = one("torus", vec![(torus(24, 12), awkward())]);
+    let grid = Grid::new(Vec3::new(-1.5, -1.5, -0.1), 3.0 / 1024.0, [1024, 1024, 70]).unwrap();
+    let bitmask = solids::voxelize(gpu, &scene, &grid, |graph, scene| Bitmask::default().record(graph, scene, &grid));
+    for slices in [Slices::Layered, Slices::Separate] {
+        let voxels = voxelize(gpu, &scene, &grid, Stencil { slices, ..Stencil::default() });
+        assert!(voxels.count() > 1000 && voxels == bitmask, "{slices:?}");
+    }
+    silent(gpu);
+}

@@ -1,0 +1,98 @@
+//! Solid voxels by signed counting against winding numbers along rays, and against the bits of the stencil.
+#![allow(missing_docs, clippy::unwrap_used)]
+
+use glam::{Mat4, Vec3};
+use shadowgraph::gpu::Gpu;
+use shadowgraph::scene::Scene;
+use shadowgraph::techniques::voxel::bitmask::Bitmask;
+use shadowgraph::techniques::voxel::stencil::Stencil;
+use shadowgraph::techniques::voxel::winding::Winding;
+use shadowgraph::techniques::voxel::{Axis, FillRule, Grid, Voxels};
+use shadowgraph_tests::device::{shared, silent};
+use shadowgraph_tests::figures::{self, Figure};
+use shadowgraph_tests::harness;
+use shadowgraph_tests::solids::{self, awkward, bounds, front, one, torus};
+use shadowgraph_tests::twin;
+
+fn voxelize(gpu: &Gpu, scene: &Scene, grid: &Grid, technique: Winding) -> Voxels {
+    solids::voxelize(gpu, scene, grid, |graph, scene| technique.record(graph, scene, grid))
+}
+
+#[test]
+fn voxel_winding_agrees_with_its_reference() {
+    let gpu = shared();
+    let mut figures =
+        solids::by_both_rules(gpu, |scene, grid, axis, rule| voxelize(gpu, scene, grid, Winding { axis, rule }));
+    // The stencil counts the same, one slice after the other; open meshes included.
+    let mut equal = 0;
+    for scene in solids::closed().into_iter().chain(solids::surfaces()) {
+        for axis in [Axis::X, Axis::Y, Axis::Z] {
+            let grid = Grid::around(&bounds(&scene), 64).unwrap();
+            for rule in [FillRule::NonZero, FillRule::EvenOdd] {
+                let stencil = Stencil { axis, rule, ..Stencil::default() };
+                let slices = solids::voxelize(gpu, &scene, &grid, |graph, scene| stencil.record(graph, scene, &grid));
+                let counted = voxelize(gpu, &scene, &grid, Winding { axis, rule });
+                assert!(counted == slices, "{} along {axis:?}: not the bits of the stencil", scene.name);
+                equal += 64 * 64 * 64;
+            }
+        }
+    }
+    figures.push(Figure {
+        what: "all solids and surfaces at 64 along three axes, by both rules: voxels of the stencil".into(),
+        value: format!("0 of {equal} differ"),
+        bound: "equal bits".into(),
+    });
+    silent(gpu);
+    let picture = harness::require_scene("AnalyticSolids/AnalyticSolids.glb").map(|path| {
+        let scene = Scene::load(&path).unwrap();
+        front(&voxelize(gpu, &scene, &Grid::around(&bounds(&scene), 160).unwrap(), Winding::default()))
+    });
+    figures::publish(gpu, "voxel", "winding", &figures, picture.as_ref());
+}
+
+#[test]
+fn voxel_winding_with_a_seeded_mistake_is_caught() {
+    let gpu = shared();
+    let truth = one("torus", vec![(torus(48, 24), awkward())]);
+    let grid = Grid::around(&bounds(&truth), 64).unwrap();
+    let triangles = twin::voxel::in_grid(&truth, &grid);
+    let wound: Vec<_> = twin::voxel::windings(&triangles, grid.size()).iter().map(|&winding| winding != 0).collect();
+    let far = |scene: &Scene| solids::compare(&voxelize(gpu, scene, &grid, Winding::default()), &triangles, &wound)[2];
+    assert_eq!(far(&truth), 0);
+    // A twentieth of a voxel aside; a triangle lost; a triangle turned around.
+    let mut aside = truth.clone();
+    aside.objects[0].world_from_object = Mat4::from_translation(Vec3::X * 0.05 * grid.edge()) * awkward();
+    assert!(far(&aside) > 0);
+    let mut holed = truth.clone();
+    holed.meshes[0].primitives[0].indices.drain(..3);
+    assert!(far(&holed) > 0);
+    let mut turned = truth.clone();
+    turned.meshes[0].primitives[0].indices.swap(0, 1);
+    assert!(far(&turned) > 0);
+    silent(gpu);
+}
+
+#[test]
+fn solids_that_overlap_are_one_where_xor_has_a_hole() {
+    let gpu = shared();
+    let (scene, grid) = solids::overlapping_cubes();
+    for axis in [Axis::X, Axis::Y, Axis::Z] {
+        let of = |rule| voxelize(gpu, &scene, &grid, Winding { axis, rule }).count();
+        let bitmask = Bitmask { axis, ..Bitmask::default() };
+        let xor = solids::voxelize(gpu, &scene, &grid, |graph, scene| bitmask.record(graph, scene, &grid)).count();
+        assert_eq!([of(FillRule::NonZero), of(FillRule::EvenOdd), xor], [960, 896, 896], "{axis:?}");
+    }
+    silent(gpu);
+}
+
+#[test]
+fn portable_a_grid_of_many_bands_is_found_band_by_band() {
+    let gpu = shared();
+    // 1024 columns of 700 voxels a row: 46 rows of counts take 126 MiB. The last band has 14 rows.
+    let scene = one("torus", vec![(torus(24, 12), awkward())]);
+    let grid = Grid::new(Vec3::new(-1.5, -0.1, -1.0), 3.0 / 1024.0, [1024, 60, 700]).unwrap();
+    let bitmask = solids::voxelize(gpu, &scene, &grid, |graph, scene| Bitmask::default().record(graph, scene, &grid));
+    let voxels = voxelize(gpu, &scene, &grid, Winding::default());
+    assert!(voxels.count() > 1000 && voxels == bitmask);
+    silent(gpu);
+}
