@@ -19,6 +19,10 @@ uvec2 peel_place(float depth, uint key) {
     return uvec2(floatBitsToUint(depth), key + 1u);
 }
 
+bool peel_before(uvec2 a, uvec2 b) {
+    return a.x > b.x || (a.x == b.x && a.y > b.y);
+}
+
 // Which search a fragment takes part in, and with what.
 uint peel_search(uvec4 state, uvec2 place, out uint value) {
     bool tie = place.x == state.x && place.y < state.y;

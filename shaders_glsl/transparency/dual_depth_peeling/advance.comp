@@ -27,9 +27,8 @@ void main() {
     uvec4 near = next(pixel, 0u);
     uvec4 far = next(pixel, 1u);
     // Both reach the same layer: it is composited once. Past each other: none is left.
-    uvec2 other = ~far.xy;
-    bool apart = near.x > other.x || (near.x == other.x && near.y > other.y);
-    near.w = uint(apart || near.xy == other);
+    bool apart = peel_before(near.xy, ~far.xy);
+    near.w = uint(apart || near.xy == ~far.xy);
     far.w = uint(apart);
     imageStore(peeled, ivec3(pixel, 0), near);
     imageStore(peeled, ivec3(pixel, 1), far);

@@ -26,6 +26,10 @@ void peel(vec4 color, uint key) {
         vec4 behind = imageLoad(back, pixel);
         imageStore(back, pixel, color + (1.0 - color.a) * behind);
     }
+    // What is left lies between both.
+    if (!peel_before(near.xy, place) || !peel_before(far.xy, ~place)) {
+        return;
+    }
     uint value;
     uint search = peel_search(near, place, value);
     if (search != FIND_NOTHING) {
