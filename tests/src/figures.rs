@@ -12,6 +12,7 @@ use shadowgraph::gpu::Gpu;
 
 use crate::compare::{Comparison, Tally};
 use crate::harness;
+use crate::plot::LogPlot;
 
 /// A row of a page.
 #[derive(Clone, Debug)]
@@ -128,6 +129,14 @@ pub fn publish_page(page: &str, test: &str, source: &str, figures: &[Figure]) {
 pub fn publish_picture(folder: &str, name: &str, picture: &Picture) {
     if std::env::var("SHADOWGRAPH_FIGURES").is_ok_and(|wish| wish == "write") {
         write_picture(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/src").join(folder), name, picture);
+    }
+}
+
+/// With `SHADOWGRAPH_FIGURES=write`, writes a plot into the book: `NAME.svg` in a folder below `docs/src`.
+pub fn publish_plot(folder: &str, name: &str, plot: &LogPlot) {
+    if std::env::var("SHADOWGRAPH_FIGURES").is_ok_and(|wish| wish == "write") {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/src").join(folder).join(format!("{name}.svg"));
+        fs::write(&path, plot.svg()).unwrap_or_else(|error| panic!("cannot write {}: {error}", path.display()));
     }
 }
 

@@ -13,6 +13,7 @@ pub mod hazard;
 pub mod judge;
 pub mod packing;
 pub mod panes;
+pub mod plot;
 pub mod parallel;
 pub mod render;
 pub mod solids;

@@ -9,6 +9,7 @@ use shadowgraph::techniques::voxel::{Axis, Grid, Voxels};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure};
 use shadowgraph_tests::harness;
+use shadowgraph_tests::plot::LogPlot;
 use shadowgraph_tests::solids::{self, awkward, bounds, front, one, soup, torus};
 use shadowgraph_tests::{tiny, twin};
 
@@ -65,7 +66,8 @@ fn voxel_bitmask_agrees_with_its_reference() {
 fn volumes(gpu: &Gpu) -> Vec<Figure> {
     const RESOLUTIONS: [u32; 4] = [64, 128, 256, 512];
     const TURNS: u32 = 6;
-    let of = |name: &str, primitive: Primitive| {
+    let mut lines = vec![("1.5 / N, the bound", RESOLUTIONS.map(|n| [n.into(), 1.5 / f64::from(n)]).to_vec(), true)];
+    let mut of = |name: &'static str, primitive: Primitive| {
         let error = |resolution: u32, turn: u32| {
             let turned = Mat4::from_rotation_x(0.47 * turn as f32) * awkward();
             let scene = one(name, vec![(primitive.clone(), turned)]);
@@ -80,6 +82,8 @@ fn volumes(gpu: &Gpu) -> Vec<Figure> {
         let slope = slope(RESOLUTIONS.map(f64::from), errors);
         println!("{name}: relative errors of the volume {errors:?}, slope {slope}");
         assert!(slope <= -1.0, "{name}: {errors:?}");
+        let points = errors.iter().zip(RESOLUTIONS).map(|(&error, n)| [n.into(), error]).collect();
+        lines.push((name.split(' ').next().unwrap(), points, false));
         let worst = errors.iter().zip(RESOLUTIONS).map(|(error, n)| error * f64::from(n)).fold(0.0, f64::max);
         Figure {
             what: format!("{name}, turned {TURNS} ways: volume at 64, 128, 256, 512"),
@@ -87,7 +91,11 @@ fn volumes(gpu: &Gpu) -> Vec<Figure> {
             bound: "at most 1.5 / N, slope at most -1".into(),
         }
     };
-    vec![of("sphere of 16128 triangles", tiny::sphere(128, 64, 0)), of("torus of 16384 triangles", torus(128, 64))]
+    let figures =
+        vec![of("sphere of 16128 triangles", tiny::sphere(128, 64, 0)), of("torus of 16384 triangles", torus(128, 64))];
+    let plot = LogPlot { x: "voxels an axis, N", y: "relative error of the volume", lines: &lines };
+    figures::publish_plot("techniques/voxel", "bitmask_volume", &plot);
+    figures
 }
 
 /// Of the line nearest to the points' logarithms.
