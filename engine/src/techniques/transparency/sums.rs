@@ -20,15 +20,15 @@ pub(super) struct Sums {
 }
 
 impl Sums {
-    /// Draws a step whose shader includes `sums.glsl`; `bind` binds the technique's slots.
-    pub(super) fn record<'f>(
+    /// Draws a step whose shader includes `sums.glsl`; `bind` binds the technique's slots and gives what it makes.
+    pub(super) fn record<'f, T>(
         graph: &mut Graph<'f>,
         name: &str,
         depth: &ImageHandle,
         (fragments, step): (&dyn Fragments<'f>, Step),
         specialize: impl Fn(Program) -> Program,
-        bind: impl FnOnce(&mut RasterPass),
-    ) -> Self {
+        bind: impl FnOnce(&mut RasterPass) -> T,
+    ) -> (Self, T) {
         let mut image =
             |what: &str, format| graph.image(format!("{name}.{what}"), ImageShape::new_2d(format, depth.size()));
         let colors = image("sums", vk::Format::R32G32B32A32_SFLOAT);
@@ -38,12 +38,12 @@ impl Sums {
             programs.map(|program| specialize(program.depth(depth::CLOSER, false).blend(blend::add_and_hide())));
         let mut pass = graph.raster(format!("{name}.sums"), programs.collect());
         fragments.bind(&mut pass, step);
-        bind(&mut pass);
+        let made = bind(&mut pass);
         pass.depth_test(depth);
         let colors = pass.color(weigh_frag::SUMS, colors, Load::Clear([0.0, 0.0, 0.0, 1.0]));
         let weights = pass.color(weigh_frag::WEIGHTS, weights, Load::Clear([0.0; 4]));
         pass.draw(fragments.draw(step));
-        Self { colors, weights }
+        (Self { colors, weights }, made)
     }
 
     /// Their average over what is opaque.

@@ -69,13 +69,11 @@ impl OrderIndependent for KBuffer {
         pass.draw(fragments.draw(Step::KeepTags));
 
         // 3. Their colours, and sums of all others.
-        let mut colors = Some(colors);
         let specialize = |program: Program| program.constant(keep_colors_frag::KEPT, kept);
-        let sums = Sums::record(graph, NAME, depth, (fragments, Step::KeepColors), specialize, |pass| {
+        let (sums, colors) = Sums::record(graph, NAME, depth, (fragments, Step::KeepColors), specialize, |pass| {
             pass.read(keep_colors_frag::KEPT_DEPTHS, &depths).read(keep_colors_frag::KEPT_TAGS, &tags);
-            colors = colors.take().map(|colors| pass.write(keep_colors_frag::KEPT_COLORS, colors));
+            pass.write(keep_colors_frag::KEPT_COLORS, colors)
         });
-        let Some(colors) = colors else { return color };
 
         // 4. All over what is opaque.
         let mut pass = graph.compute("kbuffer.resolve", &resolve_comp::SHADER);

@@ -45,7 +45,7 @@ impl OrderIndependent for Moments {
         pass.draw(fragments.draw(Step::AddMoments));
 
         // 2. Layers, as far as those before them let them be seen; their average over what is opaque.
-        let sums = Sums::record(
+        let (sums, ()) = Sums::record(
             graph,
             NAME,
             depth,

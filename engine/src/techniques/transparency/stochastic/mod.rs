@@ -54,7 +54,7 @@ impl OrderIndependent for Stochastic {
 
         // 2. Layers, as visible as they are to the samples; their average over what is opaque.
         let specialize = |program: Program| program.constant(add_colors_frag::SAMPLES, samples);
-        let sums = Sums::record(graph, NAME, depth, (fragments, Step::AddBySamples), specialize, |pass| {
+        let (sums, ()) = Sums::record(graph, NAME, depth, (fragments, Step::AddBySamples), specialize, |pass| {
             pass.read(add_colors_frag::SAMPLE_DEPTHS, &depths);
         });
         sums.average_over(graph, NAME, color)

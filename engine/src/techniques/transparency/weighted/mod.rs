@@ -57,7 +57,7 @@ impl OrderIndependent for Weighted {
     ) -> ImageHandle {
         let distances = layer_distances(view);
         let specialize = |program: Program| program.constant(weigh_frag::EQUATION, self.weight.number());
-        let sums = Sums::record(graph, NAME, depth, (fragments, Step::Weigh), specialize, |pass| {
+        let (sums, ()) = Sums::record(graph, NAME, depth, (fragments, Step::Weigh), specialize, |pass| {
             pass.uniform(weigh_frag::DISTANCES, &distances);
         });
         sums.average_over(graph, NAME, color)
