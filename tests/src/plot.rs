@@ -68,7 +68,10 @@ impl LogPlot<'_> {
             let color = COLORS[index % COLORS.len()];
             let dash = if *is_bound { " stroke-dasharray=\"5 4\"" } else { "" };
             let path: Vec<String> = points.iter().map(|&p| place(p).map(|c| format!("{c:.1}")).join(" ")).collect();
-            line(format!("<path d=\"M{}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"2\"{dash}/>", path.join("L")));
+            line(format!(
+                "<path d=\"M{}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"2\"{dash}/>",
+                path.join("L")
+            ));
             for [cx, cy] in points.iter().filter(|_| !is_bound).map(|&point| place(point)) {
                 line(format!("<circle cx=\"{cx:.1}\" cy=\"{cy:.1}\" r=\"3.5\" fill=\"{color}\"/>"));
             }
