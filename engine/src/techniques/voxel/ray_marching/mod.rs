@@ -7,7 +7,12 @@ mod pyramid;
 
 pub use pyramid::{Level, Pyramid};
 
+use ash::vk;
+use glam::Vec3;
+
 use super::VoxelBits;
+use crate::Result;
+use crate::gpu::{Buffer, BufferInfo, Gpu, Memory};
 use crate::graph::{BufferHandle, Graph};
 use crate::shader::generated::blocks;
 pub use crate::shader::generated::blocks::Segment;
@@ -28,6 +33,26 @@ pub struct RayMarching {
 impl Default for RayMarching {
     fn default() -> Self {
         Self { levels: u32::MAX }
+    }
+}
+
+impl Segment {
+    /// Between two points in world space.
+    pub fn new(origin: Vec3, end: Vec3) -> Self {
+        Self { origin: origin.to_array().into(), end: end.to_array().into() }
+    }
+
+    /// A buffer of segments from the host, to be imported into frames.
+    ///
+    /// # Errors
+    /// [`crate::Error::Invalid`] where there are none; [`crate::Error::OutOfMemory`].
+    pub fn upload(gpu: &Gpu, segments: &[Self]) -> Result<Buffer> {
+        let bytes: &[u8] = bytemuck::cast_slice(segments);
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let info = BufferInfo { name: "segments", size: bytes.len() as u64, usage, memory: Memory::Upload };
+        let buffer = gpu.create_buffer(&info)?;
+        buffer.write(0, bytes)?;
+        Ok(buffer)
     }
 }
 
