@@ -253,8 +253,8 @@ fn against_triangles(gpu: &Gpu) -> Vec<Figure> {
                 blocked += usize::from(is);
             }
         }
-        // 2. Those apart from silhouettes: moved by a voxel's diagonal to any side, or made longer or shorter by it, they are as
-        // they were.
+        // 2. Those apart from silhouettes: moved by a voxel's diagonal to any side, or made longer or shorter by it, they
+        // are as they were.
         let diagonal = f64::from(grid.edge()) * 3.0_f64.sqrt();
         let apart = parallel::rows(segments.len(), |index| {
             let [a, b] = segments[index].map(Vec3::as_dvec3);

@@ -3,8 +3,8 @@
 #include "common/voxels.glsl"
 #include "voxel/winding/band.glsl"
 
-// Counts a crossing at the first voxel behind it: one more where the surface faces the viewer, one less where it faces away. The
-// voxel's bit tells the scan to look there.
+// Counts a crossing at the first voxel behind it: one more where the surface faces the viewer, one less where it faces
+// away. The voxel's bit tells the scan to look there.
 
 layout(location = 0) in float depth;
 

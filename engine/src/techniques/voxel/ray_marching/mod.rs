@@ -21,9 +21,10 @@ use crate::shader::generated::voxel::ray_marching::march_comp;
 /// Any-hit visibility between pairs of points, through the bits of a grid.
 ///
 /// A segment is blocked where a point of it lies in a set voxel, but for the voxels that hold its two ends: a point on a
-/// surface may lie in a voxel of that surface. Voxels are half open, so that a point lies in one of them. Ends are rounded to 1/4096 voxel, towards
-/// the grid's lower corner; the part of a segment outside of the grid meets nothing. From end to origin the answer is the
-/// same, but for the rounding of segments that reach out of the grid.
+/// surface may lie in a voxel of that surface. Voxels are half open, so that a point lies in one of them. Ends are rounded
+/// to 1/4096 voxel, towards the grid's lower corner; the part of a segment outside of the grid meets nothing. From end to
+/// origin the answer is the same, but for the rounding of segments that reach out of the grid. A segment that is not
+/// finite, or reaches 1e30 voxels, meets nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RayMarching {
     /// Levels of the pyramid to skip by, at most; 0 for a walk from voxel to voxel. The answers are the same.

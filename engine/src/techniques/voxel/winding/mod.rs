@@ -23,8 +23,8 @@ pub struct Winding {
 const BAND_BYTES: u32 = 128 << 20;
 
 impl Winding {
-    /// Sets the voxels whose centres are inside. Rows of columns whose counts take more than 128 MiB are found one band
-    /// after the other; each draws the scene.
+    /// Sets the voxels whose centres are inside. Where the counts of all columns take more than 128 MiB, rows of columns
+    /// are found band by band; each band draws the scene.
     ///
     /// # Errors
     /// [`crate::Error::Invalid`] where the device cannot bind so many bits at once.
