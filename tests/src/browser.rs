@@ -118,6 +118,15 @@ impl Browser {
         }
     }
 
+    /// Runs an expression that has the page load itself anew, and waits until it has.
+    pub fn reload_by(&mut self, expression: &str) {
+        self.events.clear();
+        self.evaluate(expression);
+        if !self.events.iter().any(|event| event["method"] == "Page.loadEventFired") {
+            self.wait("the page", |message| message["method"] == "Page.loadEventFired");
+        }
+    }
+
     /// The width and height of the window in CSS pixels, and whether the user wants dark pages.
     pub fn window(&mut self, [width, height]: [u32; 2], dark: bool) {
         let size = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600 });

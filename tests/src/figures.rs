@@ -124,6 +124,13 @@ pub fn publish_page(page: &str, test: &str, source: &str, figures: &[Figure]) {
     }
 }
 
+/// With `SHADOWGRAPH_FIGURES=write`, writes a picture into the book: `NAME.png` in a folder below `docs/src`.
+pub fn publish_picture(folder: &str, name: &str, picture: &Picture) {
+    if std::env::var("SHADOWGRAPH_FIGURES").is_ok_and(|wish| wish == "write") {
+        write_picture(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/src").join(folder), name, picture);
+    }
+}
+
 fn link(name: &str, picture: &Picture) -> String {
     format!("![{}]({name}.png)\n\n*{}*\n\n", picture.caption, picture.caption)
 }

@@ -2,22 +2,29 @@
 
 use glam::{DVec4, Mat4, Vec3, Vec4};
 use shadowgraph::gpu::Gpu;
-use shadowgraph::graph::{Executed, Executor, Graph, ImageShape};
+use shadowgraph::graph::{Executed, Executor, Graph, ImageHandle, ImageShape};
 use shadowgraph::scene::{AlphaMode, Draw, DrawList, GpuScene, Material, Scene, View, light_block};
 use shadowgraph::shader::generated::blocks;
 use shadowgraph::techniques::shadow::map_sampler;
 use shadowgraph::techniques::surface::depth::DepthPrepass;
-use shadowgraph::techniques::transparency::abuffer::{ABuffer, Blended, Composited};
+use shadowgraph::techniques::transparency::OrderIndependent;
+use shadowgraph::techniques::transparency::abuffer::{ABuffer, Composited};
 use shadowgraph::techniques::transparency::forward::ForwardLights;
+use shadowgraph::techniques::transparency::fragments::Blended;
 
+use crate::compare::Comparison;
+use crate::figures::Check;
 use crate::tiny;
-use crate::twin::layers::{self, Fragment, GRID};
+use crate::twin::layers::{self, Fragment, GRID, close_call, composite};
 
 /// What lies behind everything, premultiplied.
 pub const BACKGROUND: [f32; 4] = [0.1, 0.4, 0.2, 1.0];
 
 /// Depth of the opaque rectangle.
 pub const OPAQUE: f32 = 0.25;
+
+/// How near in depth two fragments may be before rounding may decide.
+pub const DEPTH_MARGIN: f64 = 1e-6;
 
 /// Triangles over a picture, before a background whose left half has an opaque rectangle.
 #[derive(Clone)]
@@ -203,16 +210,17 @@ impl Soup {
         scene
     }
 
-    /// World space is the picture: pixels and depth.
+    /// World space is the picture: pixels and depth. The distance along the view axis is 1 - depth.
     pub fn view(&self) -> View {
         let [width, height] = self.size.map(|side| side as f32);
         let clip_from_view = Mat4::from_cols(
             Vec4::new(2.0 / width, 0.0, 0.0, 0.0),
             Vec4::new(0.0, 2.0 / height, 0.0, 0.0),
             Vec4::new(0.0, 0.0, 1.0, 0.0),
-            Vec4::new(-1.0, -1.0, 0.0, 1.0),
+            Vec4::new(-1.0, -1.0, 1.0, 1.0),
         );
-        View { size: self.size, world_from_view: Mat4::IDENTITY, view_from_world: Mat4::IDENTITY, clip_from_view }
+        let world_from_view = Mat4::from_translation(Vec3::Z);
+        View { size: self.size, world_from_view, view_from_world: world_from_view.inverse(), clip_from_view }
     }
 
     /// What the twin has in each pixel, sorted: all that is before the opaque rectangle.
@@ -236,10 +244,50 @@ impl Soup {
         pixels
     }
 
+    /// Whether the fragments are all that a device must have, whatever it rounds.
+    pub fn sure(&self, pixel: usize, all: &[Fragment]) -> bool {
+        let opaque = self.opaque_at(pixel);
+        all.iter().all(|f| (f.depth - opaque).abs() > DEPTH_MARGIN)
+    }
+
+    /// A picture against the exact composite: the largest difference of a component.
+    pub fn compare(&self, found: &[[f32; 4]], tolerance: f64, what: &str) -> Check {
+        let expect = |sorted: &[Fragment]| composite(sorted, background());
+        self.compare_with(found, tolerance, what, |_, sorted| {
+            (!close_call(sorted, DEPTH_MARGIN)).then(|| expect(sorted))
+        })
+    }
+
+    /// A picture against what `expect` makes of each pixel's fragments; `None` where rounding of depth may decide.
+    pub fn compare_with(
+        &self,
+        found: &[[f32; 4]],
+        tolerance: f64,
+        what: &str,
+        expect: impl Fn(usize, &[Fragment]) -> Option<DVec4>,
+    ) -> Check {
+        let mut comparison = Comparison::new(format!("{}: {what}", self.name), self.size, tolerance);
+        for (i, sorted) in self.fragments().iter().enumerate() {
+            match expect(i, sorted).filter(|_| self.sure(i, sorted)) {
+                Some(expected) => {
+                    let found = DVec4::from(found[i].map(f64::from));
+                    comparison.error(i, (found - expected).abs().max_element());
+                }
+                None => comparison.leave_out(i, "near in depth"),
+            }
+        }
+        Check::new(comparison, 1.0, 0.1)
+    }
+
     /// Opaque depth at a pixel.
     pub fn opaque_at(&self, pixel: usize) -> f64 {
         if (pixel as u32 % self.size[0]) < self.size[0] / 2 { f64::from(OPAQUE) } else { 0.0 }
     }
+}
+
+/// What lies behind everything, premultiplied.
+pub fn background() -> DVec4 {
+    DVec4::from(BACKGROUND.map(f64::from))
 }
 
 /// Two triangles; depths at the upper left, upper right, lower left and lower right corner.
@@ -274,23 +322,12 @@ impl<'g> Kitchen<'g> {
 
     /// Runs the A-buffer over it.
     pub fn run(&mut self, abuffer: ABuffer, pull_vertices: bool) -> shadowgraph::Result<Found> {
-        let lights: blocks::Lights = light_block(&[], &[]);
-        let lights = ForwardLights {
-            lights: &lights,
-            cascades: None,
-            spots: None,
-            sampler: map_sampler(),
-            environment: Vec3::ZERO,
-        };
         let mut graph = Graph::new("soup", self.gpu.caps());
-        let depth = DepthPrepass.record(&mut graph, &self.scene, &self.view);
-        let shape = ImageShape::new_2d(ash::vk::Format::R32G32B32A32_SFLOAT, self.view.size);
-        let color = graph.image("color", shape);
-        let color = graph.clear("background", color, ash::vk::ClearColorValue { float32: BACKGROUND });
-        let mut blended = Blended::new(&graph, &self.scene, self.view, &lights);
-        blended.pull_vertices |= pull_vertices;
+        let view = self.view;
         let Composited { color, count, front, report, totals, counter, .. } =
-            abuffer.record(&mut graph, &self.view, &depth, &blended, color);
+            record(&mut graph, (&self.scene, view), pull_vertices, |graph, depth, blended, color| {
+                abuffer.record(graph, &view, depth, blended, color)
+            });
         graph.capture("color", &color);
         graph.capture("count", &count);
         graph.capture("front", &front);
@@ -309,6 +346,36 @@ impl<'g> Kitchen<'g> {
             samples: executed.samples("abuffer.samples").ok(),
         })
     }
+
+    /// Runs any technique over it: the picture.
+    pub fn composite(&mut self, how: &dyn OrderIndependent, pull: bool) -> shadowgraph::Result<Vec<[f32; 4]>> {
+        let mut graph = Graph::new("soup", self.gpu.caps());
+        let view = self.view;
+        let color = record(&mut graph, (&self.scene, view), pull, |graph, depth, blended, color| {
+            how.composite(graph, &view, depth, blended, color)
+        });
+        graph.capture("color", &color);
+        let plan = graph.compile(self.gpu).map_err(shadowgraph::Error::from)?;
+        texels(&self.executor.execute(&plan, graph)?, "color")
+    }
+}
+
+/// Opaque depth, the background, and what `composite` makes of the fragments.
+fn record<'f, T>(
+    graph: &mut Graph<'f>,
+    (scene, view): (&'f GpuScene, View),
+    pull_vertices: bool,
+    composite: impl FnOnce(&mut Graph<'f>, &ImageHandle, &Blended<'_, 'f>, ImageHandle) -> T,
+) -> T {
+    let lights: blocks::Lights = light_block(&[], &[]);
+    let lights =
+        ForwardLights { lights: &lights, cascades: None, spots: None, sampler: map_sampler(), environment: Vec3::ZERO };
+    let depth = DepthPrepass.record(graph, scene, &view);
+    let color = graph.image("color", ImageShape::new_2d(ash::vk::Format::R32G32B32A32_SFLOAT, view.size));
+    let color = graph.clear("background", color, ash::vk::ClearColorValue { float32: BACKGROUND });
+    let mut blended = Blended::new(graph, scene, view, &lights);
+    blended.pull_vertices |= pull_vertices;
+    composite(graph, &depth, &blended, color)
 }
 
 fn texels<T: bytemuck::Pod>(executed: &Executed, name: &str) -> shadowgraph::Result<Vec<T>> {

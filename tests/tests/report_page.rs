@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 
 use ash::vk::PipelineStageFlags2 as Stages;
 use serde_json::{Value, json};
-use shadowgraph::frame::{FrameSettings, Selection};
+use shadowgraph::frame::{FrameSettings, Selection, Transparency};
 use shadowgraph::graph::description::{Access, Queue};
 use shadowgraph::graph::plan::plan;
 use shadowgraph::graph::report::{Report, html};
-use shadowgraph::graph::{Graph, PassTime};
+use shadowgraph::graph::{Executor, Graph, PassTime};
 use shadowgraph_tests::browser::Browser;
 use shadowgraph_tests::device::isolated_device;
 use shadowgraph_tests::hazard::{Draft, MadeUpDevice};
@@ -314,6 +314,49 @@ fn pictures(page: &mut Opened, folder: &Path) {
             { pointerType: 'mouse' }))");
         page.browser.picture(&folder.join(format!("{name}.png")));
     }
+}
+
+/// Frames with checkpoints are drawn segment by segment.
+#[test]
+fn every_segment_is_drawn() {
+    isolated_device("every_segment_is_drawn", |gpu| {
+        let subject = Subject::builtin("courtyard", [64, 36]);
+        let scene = subject.scene.clone().upload(gpu).unwrap();
+        let mut settings = FrameSettings::new(subject.view());
+        settings.layers = Selection::Only(vec!["color".into()]);
+        settings.transparency = Transparency::ABuffer;
+        let mut graph = Graph::new("courtyard", gpu.caps());
+        settings.record(&mut graph, &scene);
+        let plan = graph.compile(gpu).unwrap();
+        let whole = graph.description().clone();
+        let mut report = Report::new(&whole, &plan);
+        let executed = Executor::new(gpu).execute(&plan, graph).unwrap();
+        report.add_segments(&whole, &executed.later);
+        report.add_times(&executed.passes);
+        let later = &report.later[0];
+        assert_eq!((report.later.len(), later.after.as_deref()), (1, Some("abuffer.totals")));
+        assert!(later.steps.iter().any(|step| step.name == "abuffer.fill" && step.milliseconds.is_some()));
+        let Some(mut page) = Opened::new(&html(&report).unwrap()) else { return };
+        page.browser.window([1280, 800], false);
+        assert_eq!(page.js("document.querySelectorAll('#segment option').length"), 2);
+        assert_eq!(page.js("document.getElementById('segments').checkVisibility()"), true);
+        assert_eq!(page.js("document.querySelectorAll('.pass-node').length"), report.steps.len());
+        let choose =
+            "(s => { s.value = 1; s.dispatchEvent(new Event('change')); })(document.getElementById('segment'))";
+        page.browser.reload_by(choose);
+        assert_eq!(page.js("document.querySelectorAll('.pass-node').length"), later.steps.len());
+        let file = page.file.clone();
+        page.browser.open(&file, "#segment=1&search=fill");
+        assert_eq!(
+            page.js("document.getElementById('segment').selectedOptions[0].text"),
+            "2 of 2, after abuffer.totals"
+        );
+        assert_eq!(page.js("document.querySelectorAll('.pass-node.match').length"), 1);
+        if let Some(folder) = pictures_folder() {
+            page.browser.picture(&folder.join("segment.png"));
+        }
+        page.is_quiet();
+    });
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The A-buffer against a twin that rasterises by Vulkan's rules and composites in double precision.
 #![allow(missing_docs, clippy::unwrap_used)]
 
-use glam::{DVec4, Mat4, Vec3};
+use glam::{Mat4, Vec3};
 use shadowgraph::capture::auto_exposure;
 use shadowgraph::frame::Transparency;
 use shadowgraph::gpu::Feature;
@@ -12,15 +12,11 @@ use shadowgraph_tests::exr_file::Part;
 use shadowgraph_tests::figures::{self, Check, Figure, Picture};
 use shadowgraph_tests::panes::{capture, compare, panes};
 use shadowgraph_tests::render::{Subject, only};
-use shadowgraph_tests::soup::{BACKGROUND, Found, Kitchen, Random, Soup};
-use shadowgraph_tests::twin::layers::{Fragment, close_call, composite};
+use shadowgraph_tests::soup::{Found, Kitchen, Random, Soup};
 
 const LISTS: ABuffer =
     ABuffer { build: Build::Lists(Sizing::Counted), format: NodeFormat::Compact, exponent: 0, memory: u64::MAX };
 const ARRAYS: ABuffer = ABuffer { build: Build::Arrays, ..LISTS };
-
-/// How near in depth two fragments may be before rounding may decide.
-const DEPTH_MARGIN: f64 = 1e-6;
 
 fn soups() -> Vec<Soup> {
     vec![
@@ -33,17 +29,11 @@ fn soups() -> Vec<Soup> {
     ]
 }
 
-/// Whether the fragments are all that a device must have, whatever it rounds.
-fn sure(soup: &Soup, pixel: usize, all: &[Fragment]) -> bool {
-    let opaque = soup.opaque_at(pixel);
-    all.iter().all(|f| (f.depth - opaque).abs() > DEPTH_MARGIN)
-}
-
 /// Layers of each pixel, exactly.
 fn counts(soup: &Soup, found: &Found) -> Check {
     let mut comparison = Comparison::new(format!("{}: layers", soup.name), soup.size, 0.0);
     for (i, expected) in soup.fragments().iter().enumerate() {
-        match sure(soup, i, expected) {
+        match soup.sure(i, expected) {
             true => comparison.error(i, f64::from(found.count[i]) - expected.len() as f64),
             false => comparison.leave_out(i, "near the opaque depth"),
         }
@@ -53,17 +43,7 @@ fn counts(soup: &Soup, found: &Found) -> Check {
 
 /// Colour and alpha of each pixel: the largest difference of a component.
 fn colors(soup: &Soup, found: &Found, tolerance: f64, format: &str) -> Check {
-    let mut comparison = Comparison::new(format!("{}: {format} color", soup.name), soup.size, tolerance);
-    for (i, sorted) in soup.fragments().iter().enumerate() {
-        if !sure(soup, i, sorted) || close_call(sorted, DEPTH_MARGIN) {
-            comparison.leave_out(i, "near in depth");
-            continue;
-        }
-        let expected = composite(sorted, DVec4::from(BACKGROUND.map(f64::from)));
-        let found = DVec4::from(found.color[i].map(f64::from));
-        comparison.error(i, (found - expected).abs().max_element());
-    }
-    Check::new(comparison, 1.0, 0.1)
+    soup.compare(&found.color, tolerance, &format!("{format} color"))
 }
 
 /// What must hold of every run.
@@ -178,7 +158,7 @@ fn transparency_abuffer_does_not_depend_on_the_order_of_draws() {
     for soup in [Soup::coplanar([64, 64], 21), Soup::random(6, [32, 32], 120, 12)] {
         let mut kitchen = Kitchen::new(shared(), &soup);
         let first = kitchen.run(ARRAYS, false).unwrap();
-        for run in 0..24 {
+        for run in 0..100 {
             // The triangles' numbers come from the index buffer here, so draws of parts of an object keep them.
             kitchen.reorder(|draws| {
                 random.shuffle(draws);
@@ -275,8 +255,7 @@ fn transparency_abuffer_knows_the_nearest_layer() {
         let found = Kitchen::new(shared(), &soup).run(ARRAYS, false).unwrap();
         let mut comparison = Comparison::new(format!("{}: nearest", soup.name), soup.size, 1e-6);
         for (i, sorted) in soup.fragments().iter().enumerate() {
-            // World space is the picture here: distance along the view axis is depth, turned around.
-            let expected = sorted.first().map_or(f64::INFINITY, |fragment| -fragment.depth);
+            let expected = sorted.first().map_or(f64::INFINITY, |fragment| 1.0 - fragment.depth);
             let found = f64::from(found.front[i]);
             comparison.error(i, if found == expected { 0.0 } else { found - expected });
         }

@@ -18,9 +18,17 @@ use crate::techniques::shadow::{Receivers, map_sampler};
 use crate::techniques::surface::depth::DepthPrepass;
 use crate::techniques::surface::gbuffer::{GBuffer, Precision, Surfaces};
 use crate::techniques::surface::position::Position;
-use crate::techniques::transparency::abuffer::{ABuffer, Blended, COMPACT_TRIANGLES, Composited, NodeFormat};
+use crate::techniques::transparency::OrderIndependent;
+use crate::techniques::transparency::abuffer::{ABuffer, COMPACT_TRIANGLES, Composited, NodeFormat};
+use crate::techniques::transparency::depth_peeling::DepthPeeling;
+use crate::techniques::transparency::dual_depth_peeling::DualDepthPeeling;
 use crate::techniques::transparency::forward::{ForwardLights, ForwardShadow};
+use crate::techniques::transparency::fragments::Blended;
+use crate::techniques::transparency::kbuffer::KBuffer;
+use crate::techniques::transparency::moments::Moments;
 use crate::techniques::transparency::sorted::Sorted;
+use crate::techniques::transparency::stochastic::Stochastic;
+use crate::techniques::transparency::weighted::Weighted;
 
 /// How blended surfaces are composited.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,6 +38,34 @@ pub enum Transparency {
     Sorted,
     /// Every layer of every pixel, by depth.
     ABuffer,
+    /// The same, layer by layer from the front: much slower where there are many.
+    DepthPeeling(DepthPeeling),
+    /// The same, from both ends.
+    DualDepthPeeling(DualDepthPeeling),
+    /// An average of all layers, the nearer ones with more weight.
+    Weighted(Weighted),
+    /// The nearest layers exactly, behind them an average.
+    KBuffer(KBuffer),
+    /// All layers, as visible as four moments of what hides them tell.
+    Moments(Moments),
+    /// All layers, as visible as random samples tell.
+    Stochastic(Stochastic),
+}
+
+impl Transparency {
+    /// Its name in the registry of techniques.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Sorted => "sorted",
+            Self::ABuffer => "abuffer",
+            Self::DepthPeeling(_) => "depth_peeling",
+            Self::DualDepthPeeling(_) => "dual_depth_peeling",
+            Self::Weighted(_) => "weighted",
+            Self::KBuffer(_) => "kbuffer",
+            Self::Moments(_) => "moments",
+            Self::Stochastic(_) => "stochastic",
+        }
+    }
 }
 
 /// What a frame is made with.
@@ -149,11 +185,35 @@ impl FrameSettings {
         color: ImageHandle,
     ) -> (ImageHandle, Option<TransparentLayers>) {
         let view = &self.view;
-        let any = scene.draws.draws().iter().any(|draw| draw.class == DrawClass::Blend);
-        if !any || (self.transparency == Transparency::Sorted && !self.deep) {
-            return (Sorted.record(graph, scene, view, depth, lights, color), None);
+        if !scene.draws.draws().iter().any(|draw| draw.class == DrawClass::Blend) {
+            return (color, None);
         }
         let blended = Blended::new(graph, scene, *view, lights);
+        // What is captured deep are the A-buffer's layers.
+        let transparency = if self.deep { &Transparency::ABuffer } else { &self.transparency };
+        let technique: &dyn OrderIndependent = match transparency {
+            Transparency::Sorted => return (Sorted.record(graph, scene, view, depth, lights, color), None),
+            Transparency::ABuffer => {
+                let (color, layers) = self.abuffer(graph, &blended, depth, color);
+                return (color, Some(layers));
+            }
+            Transparency::DepthPeeling(technique) => technique,
+            Transparency::DualDepthPeeling(technique) => technique,
+            Transparency::Weighted(technique) => technique,
+            Transparency::KBuffer(technique) => technique,
+            Transparency::Moments(technique) => technique,
+            Transparency::Stochastic(technique) => technique,
+        };
+        (technique.composite(graph, view, depth, &blended, color), None)
+    }
+
+    fn abuffer<'f>(
+        &self,
+        graph: &mut Graph<'f>,
+        blended: &Blended<'_, 'f>,
+        depth: &ImageHandle,
+        color: ImageHandle,
+    ) -> (ImageHandle, TransparentLayers) {
         let format = match self.precision {
             Precision::Float => NodeFormat::Float,
             Precision::Compact if blended.triangles() > COMPACT_TRIANGLES => NodeFormat::Half,
@@ -161,12 +221,13 @@ impl FrameSettings {
         };
         // Up to a million cd/m²: highlights of the sun are beyond what nodes hold as they are.
         let abuffer = ABuffer { format, exponent: 4, memory: self.layer_memory, ..ABuffer::default() };
-        let Composited { color, count, front, nodes, report, .. } = abuffer.record(graph, view, depth, &blended, color);
+        let Composited { color, count, front, nodes, report, .. } =
+            abuffer.record(graph, &self.view, depth, blended, color);
         if let Some(nodes) = nodes.filter(|_| self.deep) {
             graph.capture(Deep::COUNT, &count);
             graph.capture(Deep::NODES, &nodes);
         }
-        (color, Some(TransparentLayers { made_by: abuffer, count, front, report }))
+        (color, TransparentLayers { made_by: abuffer, count, front, report })
     }
 
     /// Shadow maps of the first directional light and of the spots, and one image with a mask a layer.

@@ -130,6 +130,11 @@ pub mod blend {
         with(vk::BlendFactor::ONE, vk::BlendFactor::ONE)
     }
 
+    /// `s + d` in colour, `(1 - s.a) d` in alpha: sums of what layers add, and the product of what they let through.
+    pub fn add_and_hide() -> vk::PipelineColorBlendAttachmentState {
+        add().src_alpha_blend_factor(vk::BlendFactor::ZERO).dst_alpha_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
+    }
+
     /// `s_factor s + d_factor d`, in colour and alpha.
     pub fn with(s_factor: vk::BlendFactor, d_factor: vk::BlendFactor) -> vk::PipelineColorBlendAttachmentState {
         replace()

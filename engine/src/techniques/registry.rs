@@ -31,8 +31,38 @@ pub static TECHNIQUES: &[Technique] = &[
     },
     Technique {
         family: "transparency",
+        name: "depth_peeling",
+        summary: "blended materials, every layer composited exactly, one a pass from the front",
+    },
+    Technique {
+        family: "transparency",
+        name: "dual_depth_peeling",
+        summary: "blended materials, every layer composited, two a pass from both ends",
+    },
+    Technique {
+        family: "transparency",
+        name: "kbuffer",
+        summary: "blended materials, the nearest layers exact, an average of the others behind them",
+    },
+    Technique {
+        family: "transparency",
+        name: "moments",
+        summary: "blended materials, as visible as four moments of absorbance tell",
+    },
+    Technique {
+        family: "transparency",
         name: "sorted",
         summary: "blended materials, forward-shaded, sorted by object",
+    },
+    Technique {
+        family: "transparency",
+        name: "stochastic",
+        summary: "blended materials, as visible as random samples tell",
+    },
+    Technique {
+        family: "transparency",
+        name: "weighted",
+        summary: "blended materials, averaged with weights that fall with distance, in one pass",
     },
     Technique { family: "voxel", name: "bitmask", summary: "solid voxelization by XOR of column bits, in one pass" },
     Technique { family: "voxel", name: "conservative", summary: "every voxel that a triangle touches" },

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
-#include "transparency/abuffer/fragment.glsl"
+#include "transparency/fragment.glsl"
 #include "transparency/abuffer/array_append.glsl"
 
 void main() {

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #define PULL_VERTICES
-#include "transparency/abuffer/fragment.glsl"
+#include "transparency/fragment.glsl"
 #include "transparency/abuffer/array_append.glsl"
 
 void main() {

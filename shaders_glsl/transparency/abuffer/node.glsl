@@ -9,6 +9,8 @@
 // `next` is there in lists. Lists of the half format have a second texel for it. Depth is reversed and not negative, so
 // that its bits sort as it does. Of equal depth the larger key is in front.
 
+#include "transparency/composite.glsl"
+
 const uint NODE_COMPACT = 0u;
 const uint NODE_HALF = 1u;
 const uint NODE_FLOAT = 2u;
@@ -86,19 +88,4 @@ vec4 unpack_color(uvec4 node, uvec4 rest) {
         color = uintBitsToFloat(rest);
     }
     return vec4(color.rgb * NODE_UNIT, color.a);
-}
-
-// Puts a layer behind what is gathered so far (Porter and Duff 1984, *over*; the alpha of `front` is what it lets
-// through). One function for all that composites, and exact, so that equal layers give equal bits.
-void put_behind(inout vec4 front, vec4 layer) {
-    precise vec3 rgb = front.rgb + front.a * layer.rgb;
-    precise float through = front.a * (1.0 - layer.a);
-    front = vec4(rgb, through);
-}
-
-// The whole over what is opaque.
-vec4 over_opaque(vec4 front, vec4 opaque) {
-    precise vec3 rgb = front.rgb + front.a * opaque.rgb;
-    precise float alpha = 1.0 - front.a * (1.0 - opaque.a);
-    return vec4(rgb, alpha);
 }

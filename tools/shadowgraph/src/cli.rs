@@ -96,8 +96,8 @@ pub struct FrameArguments {
     #[arg(long, value_name = "LUMINANCE", value_parser = arguments::not_negative, allow_hyphen_values = true,
         help_heading = "Light")]
     pub environment: Option<f32>,
-    /// How blended surfaces are composited: object by object, or every layer of every pixel by depth, which is exact and
-    /// slower
+    /// How blended surfaces are composited. Sorted by object is right where objects do not interlock; abuffer, depth-peeling
+    /// and dual-depth-peeling are exact in every pixel; the others are approximations whatever the order
     #[arg(long, value_enum, value_name = "KIND", default_value_t = TransparencyKind::Sorted)]
     pub transparency: TransparencyKind,
     /// Most memory for the layers of `--transparency abuffer`, in MiB; otherwise as much as the device gives. Where it is
@@ -125,6 +125,19 @@ pub enum TransparencyKind {
     /// Every layer of every pixel, by depth.
     #[value(name = "abuffer")]
     ABuffer,
+    /// Every layer of every pixel, one a pass from the front.
+    DepthPeeling,
+    /// Every layer of every pixel, two a pass from both ends.
+    DualDepthPeeling,
+    /// All layers averaged, the nearer ones with more weight.
+    Weighted,
+    /// The four nearest layers of every pixel, and an average of all others behind them.
+    #[value(name = "kbuffer")]
+    KBuffer,
+    /// All layers, as visible as four moments of what hides them tell.
+    Moments,
+    /// All layers, as visible as eight random samples tell.
+    Stochastic,
 }
 
 impl From<TransparencyKind> for Transparency {
@@ -132,6 +145,12 @@ impl From<TransparencyKind> for Transparency {
         match kind {
             TransparencyKind::Sorted => Self::Sorted,
             TransparencyKind::ABuffer => Self::ABuffer,
+            TransparencyKind::DepthPeeling => Self::DepthPeeling(Default::default()),
+            TransparencyKind::DualDepthPeeling => Self::DualDepthPeeling(Default::default()),
+            TransparencyKind::Weighted => Self::Weighted(Default::default()),
+            TransparencyKind::KBuffer => Self::KBuffer(Default::default()),
+            TransparencyKind::Moments => Self::Moments(Default::default()),
+            TransparencyKind::Stochastic => Self::Stochastic(Default::default()),
         }
     }
 }

@@ -5,8 +5,10 @@ use std::io::Write as _;
 use shadowgraph::capture::write_atomically;
 use shadowgraph::frame::FrameSettings;
 use shadowgraph::gpu::Gpu;
+use shadowgraph::graph::description::Description;
+use shadowgraph::graph::plan::Plan;
 use shadowgraph::graph::report::{self, Report};
-use shadowgraph::graph::{Executor, Graph, PassTime};
+use shadowgraph::graph::{Executed, Executor, Graph};
 use shadowgraph::scene::GpuScene;
 
 use crate::cli::{GraphArguments, GraphFormat};
@@ -41,25 +43,40 @@ fn show(arguments: &GraphArguments, gpu: &Gpu, scene: &GpuScene, settings: &Fram
     session::record(settings, &mut graph, scene)?;
     let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
     let description = graph.description();
-    let report = || -> Result<Report> {
+    // What follows a checkpoint has sizes that only a run can tell.
+    let executed = match (arguments.times, description.checkpoints.is_empty()) {
+        (true, _) => Some(run_frames(gpu, scene, settings, 2)?),
+        (false, false) => Some(run_frames(gpu, scene, settings, 1)?),
+        (false, true) => None,
+    };
+    let later = executed.as_ref().map_or(&[][..], |executed| &executed.later);
+    let report = || {
         let mut report = Report::new(description, &plan);
-        if arguments.times {
-            report.add_times(&measure(gpu, scene, settings)?);
+        report.add_segments(description, later);
+        if let Some(executed) = executed.as_ref().filter(|_| arguments.times) {
+            report.add_times(&executed.passes);
         }
-        Ok(report)
+        report
+    };
+    let every = |form: fn(&Description, &Plan) -> String, between: fn(&str) -> String| {
+        let rest = later.iter().zip(&description.checkpoints);
+        let rest = rest.map(|(one, point)| between(&point.name.to_string()) + &form(&one.description, &one.plan));
+        form(description, &plan) + &rest.collect::<String>()
     };
     match arguments.format {
-        GraphFormat::Dot => Ok(report::dot(description, &plan)),
-        GraphFormat::Text => Ok(report::text(description, &plan)),
-        GraphFormat::Json => report()?.json().map_err(Failure::failed),
-        GraphFormat::Html => report::html(&report()?).map_err(Failure::failed),
+        GraphFormat::Dot => Ok(every(report::dot, |_| "\n".into())),
+        GraphFormat::Text => Ok(every(report::text, |name| format!("\n--- after the checkpoint `{name}`\n"))),
+        GraphFormat::Json => report().json().map_err(Failure::failed),
+        GraphFormat::Html => report::html(&report()).map_err(Failure::failed),
     }
 }
 
-/// What the passes take in the second frame: in the first one drivers compile.
-fn measure(gpu: &Gpu, scene: &GpuScene, settings: &FrameSettings) -> Result<Vec<PassTime>> {
+/// The last of some frames in a row: in the first one drivers compile.
+fn run_frames(gpu: &Gpu, scene: &GpuScene, settings: &FrameSettings, count: usize) -> Result<Executed> {
     let mut executor = Executor::new(gpu);
     let mut frame = || session::render(&mut executor, gpu, scene, settings, |_| Ok(()));
-    frame()?;
-    Ok(frame()?.1.passes)
+    for _ in 1..count {
+        frame()?;
+    }
+    Ok(frame()?.1)
 }

@@ -1,7 +1,7 @@
 //! What commands share: a device, a scene on it, and a frame.
 
 use serde::Serialize;
-use shadowgraph::frame::{ABUFFER_REPORT, Frame, FrameSettings, Selection, Transparency};
+use shadowgraph::frame::{ABUFFER_REPORT, Frame, FrameSettings, Selection};
 use shadowgraph::gpu::{Gpu, GpuOptions, Messages, Severity, Validation};
 use shadowgraph::graph::{Executed, Executor, Graph};
 use shadowgraph::scene::{Camera, GpuScene, Scene};
@@ -145,10 +145,7 @@ impl Recipe {
             sun: arguments.sun.map(|sun| sun.direction.extend(sun.illuminance).to_array()),
             environment: settings.environment.x,
             float: arguments.float,
-            transparency: match settings.transparency {
-                Transparency::Sorted => "sorted",
-                Transparency::ABuffer => "abuffer",
-            },
+            transparency: settings.transparency.name(),
         }
     }
 }

@@ -276,6 +276,21 @@ fn graphs_are_printed() {
 }
 
 #[test]
+fn graphs_with_checkpoints_are_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let graph = |format: &str| {
+        let options = ["--size", "64x36", "--transparency", "abuffer", "--layers", "color", "--format", format];
+        stdout(&succeeds(&folder, &[&["graph", "builtin:courtyard"], &options[..]].concat()))
+    };
+    let text = graph("text");
+    let (first, second) = text.split_once("--- after the checkpoint `abuffer.totals`").unwrap();
+    assert!(first.contains("`abuffer.count`") && second.contains("`abuffer.fill`"), "{text}");
+    assert_eq!(graph("dot").matches("digraph").count(), 2);
+    let json: serde_json::Value = serde_json::from_str(&graph("json")).unwrap();
+    assert_eq!(json["later"][0]["after"], "abuffer.totals");
+}
+
+#[test]
 fn a_graph_is_written_as_a_page_with_times() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = ["graph", "builtin:cornell", "--size", "64x36", "--format", "html", "--times", "-o", "frame.html"];

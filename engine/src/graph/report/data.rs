@@ -6,10 +6,10 @@ use super::path::{DependencyReport, critical_path, dependencies};
 use super::resource::{ResourceReport, resources};
 use crate::graph::PassTime;
 use crate::graph::description::{Access, Description, Range, Resource, ResourceId, Shape, Use};
-use crate::graph::plan::{Barriers, Batch, Ownership, Plan, Reason, Statistics, Wait, Work, apart};
+use crate::graph::plan::{Barriers, Batch, Ownership, Plan, Reason, Segment, Statistics, Wait, Work, apart};
 
 /// Name of the form of [`Report`], with its version.
-pub const SCHEMA: &str = "shadowgraph.graph/1.2";
+pub const SCHEMA: &str = "shadowgraph.graph/1.3";
 
 /// A description and its plan.
 #[derive(Clone, Debug, Serialize)]
@@ -34,6 +34,12 @@ pub struct Report {
     pub memory: MemoryReport,
     /// Figures.
     pub statistics: Statistics,
+    /// Of a segment that follows another one: the checkpoint before it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub after: Option<String>,
+    /// Segments after the frame's first checkpoint, where it ran: their sizes follow from what the host read.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub later: Vec<Report>,
 }
 
 /// A pass or a read-back.
@@ -223,7 +229,19 @@ impl Report {
             resources: resources(description, plan),
             memory: memory(description, plan),
             statistics: plan.statistics,
+            after: None,
+            later: Vec::new(),
         }
+    }
+
+    /// Adds the segments after the first checkpoint of a frame that ran ([`Executed::later`](crate::graph::Executed::later)).
+    /// `whole`: the frame's description.
+    pub fn add_segments(&mut self, whole: &Description, later: &[Segment]) {
+        let segments = later.iter().zip(&whole.checkpoints).map(|(segment, checkpoint)| {
+            let after = Some(checkpoint.name.to_string());
+            Self { after, ..Self::new(&segment.description, &segment.plan) }
+        });
+        self.later.extend(segments);
     }
 
     /// Adds what passes took when the plan ran ([`Executed::passes`](crate::graph::Executed::passes)), by name.
@@ -232,6 +250,7 @@ impl Report {
             let time = times.iter().find(|time| time.name == step.name);
             step.milliseconds = time.map(|time| time.seconds * 1e3).or(step.milliseconds);
         }
+        self.later.iter_mut().for_each(|segment| segment.add_times(times));
     }
 
     /// As JSON.

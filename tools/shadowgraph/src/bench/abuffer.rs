@@ -1,4 +1,5 @@
-//! What the A-buffer costs a fragment, beside blending of the same fragments: full-screen layers of one colour.
+//! What the A-buffer costs a fragment, beside blending of the same fragments and beside the other techniques: full-screen
+//! layers of one colour.
 
 use ash::vk;
 use glam::Vec3;
@@ -6,9 +7,17 @@ use shadowgraph::gpu::{Gpu, blend};
 use shadowgraph::graph::{Executor, Graph, ImageHandle, ImageShape, Load, RasterPass};
 use shadowgraph::scene::{Camera, View, depth};
 use shadowgraph::shader::Program;
-use shadowgraph::shader::generated::bench::{layers_array_frag, layers_blend_frag, layers_list_frag, layers_vert};
-use shadowgraph::shader::generated::transparency::abuffer::count_frag;
-use shadowgraph::techniques::transparency::abuffer::{ABuffer, Build, Draw, Fragments, Sizing, Step};
+use shadowgraph::shader::generated::bench::{self as shaders, layers_blend_frag, layers_vert};
+use shadowgraph::shader::generated::transparency::count_frag;
+use shadowgraph::techniques::transparency::OrderIndependent;
+use shadowgraph::techniques::transparency::abuffer::{ABuffer, Build, Sizing};
+use shadowgraph::techniques::transparency::depth_peeling::DepthPeeling;
+use shadowgraph::techniques::transparency::dual_depth_peeling::DualDepthPeeling;
+use shadowgraph::techniques::transparency::fragments::{Draw, Fragments, Step};
+use shadowgraph::techniques::transparency::kbuffer::KBuffer;
+use shadowgraph::techniques::transparency::moments::Moments;
+use shadowgraph::techniques::transparency::stochastic::Stochastic;
+use shadowgraph::techniques::transparency::weighted::{Weight, Weighted};
 
 use super::Measurement;
 use crate::cli::{BenchArguments, DeviceArguments};
@@ -16,6 +25,8 @@ use crate::failure::Result;
 use crate::session;
 
 const LAYERS: [u32; 8] = [1, 2, 4, 8, 16, 32, 64, 128];
+/// Near plane, metres.
+const NEAR: f32 = 0.1;
 const SIDES: [u32; 4] = [128, 256, 512, 1024];
 
 /// Layers over the whole picture.
@@ -27,8 +38,18 @@ impl<'f> Fragments<'f> for Layers {
         let fragment = match step {
             Step::Samples => None,
             Step::Count => Some(&count_frag::SHADER),
-            Step::Arrays => Some(&layers_array_frag::SHADER),
-            Step::Lists => Some(&layers_list_frag::SHADER),
+            Step::Arrays => Some(&shaders::layers_array_frag::SHADER),
+            Step::Lists => Some(&shaders::layers_list_frag::SHADER),
+            Step::Peel => Some(&shaders::layers_peel_frag::SHADER),
+            Step::PeelBothEnds => Some(&shaders::layers_peel_both_ends_frag::SHADER),
+            Step::Weigh => Some(&shaders::layers_weigh_frag::SHADER),
+            Step::KeepDepths => Some(&shaders::layers_keep_depths_frag::SHADER),
+            Step::KeepTags => Some(&shaders::layers_keep_tags_frag::SHADER),
+            Step::KeepColors => Some(&shaders::layers_keep_colors_frag::SHADER),
+            Step::AddMoments => Some(&shaders::layers_add_moments_frag::SHADER),
+            Step::AddByMoments => Some(&shaders::layers_add_by_moments_frag::SHADER),
+            Step::SampleDepths => Some(&shaders::layers_sample_depths_frag::SHADER),
+            Step::AddBySamples => Some(&shaders::layers_add_by_samples_frag::SHADER),
         };
         vec![Program::new(&layers_vert::SHADER, fragment)]
     }
@@ -43,6 +64,11 @@ impl<'f> Fragments<'f> for Layers {
             Ok(())
         })
     }
+
+    fn distances(&self) -> [f32; 2] {
+        // Depths from one near plane on.
+        [NEAR, NEAR * (1 << 24) as f32]
+    }
 }
 
 /// A way to composite the layers.
@@ -56,9 +82,22 @@ enum Kind {
     Arrays,
     /// The A-buffer by linked lists.
     Lists,
+    /// One of the others.
+    Other(usize),
 }
 
 const KINDS: [Kind; 4] = [Kind::Nothing, Kind::Blend, Kind::Arrays, Kind::Lists];
+
+/// What the A-buffer is compared with, and at how many layers.
+const OTHERS: [(&str, &dyn OrderIndependent); 6] = [
+    ("dual depth peeling", &DualDepthPeeling { layers: 32 }),
+    ("depth peeling", &DepthPeeling { layers: 32 }),
+    ("k-buffer of 4", &KBuffer { kept: 4 }),
+    ("moments", &Moments),
+    ("stochastic, 8 samples", &Stochastic { samples: 8 }),
+    ("weighted", &Weighted { weight: Weight::Equation7 }),
+];
+const COMPARED: [u32; 2] = [8, 32];
 
 /// Least seconds of a frame, in all and of its two parts.
 #[derive(Clone, Copy)]
@@ -81,6 +120,9 @@ fn measure_all(gpu: &Gpu, runs: u32, tell: &mut impl FnMut(Measurement) -> Resul
     let mut growth = Vec::new();
     for layers in LAYERS {
         let whole = measure(gpu, [256, 256], layers, runs, tell)?;
+        if COMPARED.contains(&layers) {
+            compare(gpu, [256, 256], layers, runs, tell)?;
+        }
         growth.extend((4..=128).contains(&layers).then_some((f64::from(layers), whole)));
     }
     tell(figure("arrays".into(), "growth by layers, 4 to 128", slope(&growth), "slope"))?;
@@ -100,18 +142,7 @@ fn measure(
     runs: u32,
     tell: &mut impl FnMut(Measurement) -> Result<()>,
 ) -> Result<f64> {
-    let mut executor = Executor::new(gpu);
-    let none = Times { whole: f64::INFINITY, build: f64::INFINITY, sort: f64::INFINITY };
-    let mut best = [none; KINDS.len()];
-    for _ in 0..=runs {
-        for (kind, best) in KINDS.into_iter().zip(&mut best) {
-            let times = frame(gpu, &mut executor, kind, size, layers)?;
-            best.whole = best.whole.min(times.whole);
-            best.build = best.build.min(times.build);
-            best.sort = best.sort.min(times.sort);
-        }
-    }
-    let [nothing, blend, arrays, lists] = best;
+    let [nothing, blend, arrays, lists] = best(gpu, KINDS, size, layers, runs)?;
     let fragments = f64::from(size[0]) * f64::from(size[1]) * f64::from(layers);
     let nanoseconds = |seconds: f64| seconds * 1e9 / fragments;
     let blending = (blend.whole - nothing.whole).max(1e-9);
@@ -125,6 +156,42 @@ fn measure(
         tell(figure(case(kind), "whole to blending", whole / blending, "times"))?;
     }
     Ok(arrays.whole - nothing.whole)
+}
+
+/// Tells what the other techniques take of the same fragments, and the A-buffer beside them.
+fn compare(
+    gpu: &Gpu,
+    size: [u32; 2],
+    layers: u32,
+    runs: u32,
+    tell: &mut impl FnMut(Measurement) -> Result<()>,
+) -> Result<()> {
+    let fragments = f64::from(size[0]) * f64::from(size[1]) * f64::from(layers);
+    for (other, (name, _)) in OTHERS.into_iter().enumerate() {
+        let kinds = [Kind::Nothing, Kind::Arrays, Kind::Other(other)];
+        let whole = best(gpu, kinds, size, layers, runs)?.map(|times| times.whole);
+        let [arrays, other] = [whole[1], whole[2]].map(|seconds| (seconds - whole[0]).max(1e-9));
+        let case = format!("{name} {}x{}x{layers}", size[0], size[1]);
+        tell(figure(case.clone(), "whole", other * 1e9 / fragments, "ns/fragment"))?;
+        tell(figure(case, "arrays to it", arrays / other, "times"))?;
+    }
+    Ok(())
+}
+
+/// Least times of each kind, in turns.
+fn best<const N: usize>(gpu: &Gpu, kinds: [Kind; N], size: [u32; 2], layers: u32, runs: u32) -> Result<[Times; N]> {
+    let mut executor = Executor::new(gpu);
+    let none = Times { whole: f64::INFINITY, build: f64::INFINITY, sort: f64::INFINITY };
+    let mut best = [none; N];
+    for _ in 0..=runs {
+        for (kind, best) in kinds.into_iter().zip(&mut best) {
+            let times = frame(gpu, &mut executor, kind, size, layers)?;
+            best.whole = best.whole.min(times.whole);
+            best.build = best.build.min(times.build);
+            best.sort = best.sort.min(times.sort);
+        }
+    }
+    Ok(best)
 }
 
 fn figure(case: String, metric: &str, value: f64, unit: &'static str) -> Measurement {
@@ -157,6 +224,7 @@ fn frame(gpu: &Gpu, executor: &mut Executor, kind: Kind, size: [u32; 2], layers:
         Kind::Blend => blended(&mut graph, layers, &depth, color),
         Kind::Arrays => composited(&mut graph, Build::Arrays, layers, &depth, color),
         Kind::Lists => composited(&mut graph, Build::Lists(Sizing::Counted), layers, &depth, color),
+        Kind::Other(other) => OTHERS[other].1.composite(&mut graph, &view(size), &depth, &layers, color),
     };
     graph.keep("color", &color);
     graph.keep("depth", &depth);
@@ -194,5 +262,5 @@ fn composited(graph: &mut Graph, build: Build, layers: Layers, depth: &ImageHand
 
 /// Only how far layers are depends on it.
 fn view(size: [u32; 2]) -> View {
-    Camera::look_at(Vec3::Z, Vec3::ZERO, Vec3::Y, 1.0, 0.1).view(size)
+    Camera::look_at(Vec3::Z, Vec3::ZERO, Vec3::Y, 1.0, NEAR).view(size)
 }

@@ -1,7 +1,13 @@
 // The page: figures, lists, details and search around the diagram, all from the report's JSON.
 
-const report = JSON.parse(document.getElementById('report').textContent);
 const find = id => document.getElementById(id);
+
+// A frame's segments between checkpoints, one of which the page draws: `#segment=INDEX` in the address says which.
+const address = () => new URLSearchParams(location.hash.slice(1));
+const whole = JSON.parse(find('report').textContent);
+const segments = [whole, ...(whole.later ?? [])];
+const asked = () => segments[address().get('segment')] ?? whole;
+const report = asked();
 
 /** An HTML element. Text is set as text, never as markup. */
 function el(tag, attributes, ...children) {
@@ -124,9 +130,14 @@ function aboutResource(name) {
 const about = (kind, key) => (kind === 'step' ? aboutStep(key) : aboutResource(key));
 const nameOf = (kind, key) => (kind === 'step' ? report.steps[key].name : key);
 
-// 1. Figures.
-find('graph').textContent = report.graph;
-document.title = `Render graph ${report.graph}`;
+// 1. Which segment, and figures.
+find('graph').textContent = whole.graph;
+document.title = `Render graph ${whole.graph}`;
+find('segments').hidden = segments.length === 1;
+find('segment').append(...segments.map(({ after }, index) => el('option', { value: index },
+  `${index + 1} of ${segments.length}, ${after === undefined ? 'from the start' : `after ${after}`}`)));
+find('segment').value = segments.indexOf(report);
+find('segment').addEventListener('change', event => { location.hash = `segment=${event.target.value}`; });
 const measured = report.steps.filter(step => step.milliseconds !== null);
 const percent = Math.round(100 * report.memory.saved_bytes / Math.max(1, report.memory.unaliased_bytes));
 const figures = [
@@ -297,10 +308,10 @@ addEventListener('keydown', event => {
   } else if (event.key === 'Escape') choose(null);
 });
 function searchAddress() {
-  const asked = new URLSearchParams(location.hash.slice(1)).get('search');
-  if (asked === null) return;
-  find('search').value = asked;
-  search(asked);
+  const text = address().get('search');
+  if (text === null) return;
+  find('search').value = text;
+  search(text);
 }
-addEventListener('hashchange', searchAddress);
+addEventListener('hashchange', () => (asked() === report ? searchAddress() : location.reload()));
 searchAddress();

@@ -2,15 +2,14 @@
 
 use ash::vk;
 
-use super::fragments::{Fragments, Step};
 use super::resolve::Resolved;
 use super::scan::{chunks_of, scan, work};
 use super::{ABuffer, Built, Composited};
-use crate::gpu::blend;
-use crate::graph::{Graph, ImageHandle, ImageShape, Load};
+use crate::graph::{Graph, ImageHandle};
 use crate::scene::{View, depth};
 use crate::shader::generated::blocks;
-use crate::shader::generated::transparency::abuffer::{array_frag, check_comp, count_frag, scan_offsets_comp};
+use crate::shader::generated::transparency::abuffer::{array_frag, check_comp, scan_offsets_comp};
+use crate::techniques::transparency::fragments::{Fragments, Step, count};
 
 const NAME: &str = "abuffer";
 
@@ -20,13 +19,13 @@ impl ABuffer {
         graph: &mut Graph<'f>,
         view: &View,
         depth: &ImageHandle,
-        fragments: &impl Fragments<'f>,
+        fragments: &dyn Fragments<'f>,
         color: ImageHandle,
     ) -> Composited {
         let size = depth.size();
 
         // 1. How many fragments each pixel has, how many there are, and where each pixel's begin.
-        let count = self.count(graph, depth, fragments);
+        let count = count(graph, NAME, depth, fragments);
         let frame = graph.data(&[blocks::ABufferFrame { size, capacity: 0, used: 1 }]);
         let scanned = scan(graph, NAME, &count, frame);
         let work = work(graph, NAME, &scanned.told);
@@ -75,18 +74,5 @@ impl ABuffer {
         let built = Built { name: NAME, nodes, linked: false, scanned, work, frame };
         let Resolved { color, report, front } = self.resolve(graph, view, &built, resolved);
         Composited { color, count, front, nodes: Some(built.nodes), report, totals: built.scanned.told, counter: None }
-    }
-
-    /// Fragments of each pixel, by blending.
-    fn count<'f>(&self, graph: &mut Graph<'f>, depth: &ImageHandle, fragments: &impl Fragments<'f>) -> ImageHandle {
-        let count = graph.image("abuffer.count", ImageShape::new_2d(vk::Format::R32_SFLOAT, depth.size()));
-        let programs = fragments.programs(Step::Count).into_iter();
-        let programs = programs.map(|program| program.depth(depth::CLOSER, false).blend(blend::add()));
-        let mut pass = graph.raster("abuffer.count", programs.collect());
-        fragments.bind(&mut pass, Step::Count);
-        pass.depth_test(depth);
-        let count = pass.color(count_frag::COUNT, count, Load::Clear([0.0; 4]));
-        pass.draw(fragments.draw(Step::Count));
-        count
     }
 }

@@ -2,7 +2,6 @@
 
 use ash::vk;
 
-use super::fragments::{Fragments, Step};
 use super::resolve::Resolved;
 use super::scan::{chunks_of, scan, work};
 use super::{ABuffer, Built, Composited, Sizing};
@@ -10,6 +9,7 @@ use crate::graph::{BufferHandle, Checkpoint, Data, Graph, ImageHandle, ImageShap
 use crate::scene::{View, depth};
 use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::abuffer::{list_counts_comp, list_frag, list_offsets_comp};
+use crate::techniques::transparency::fragments::{Fragments, Step};
 
 const NODES: vk::Format = vk::Format::R32G32B32A32_UINT;
 
@@ -27,7 +27,7 @@ impl ABuffer {
         graph: &mut Graph<'f>,
         view: &View,
         depth: &ImageHandle,
-        fragments: &impl Fragments<'f>,
+        fragments: &dyn Fragments<'f>,
         color: ImageHandle,
     ) -> Composited {
         let size = depth.size();
@@ -105,7 +105,7 @@ impl ABuffer {
         graph: &mut Graph<'f>,
         name: &'static str,
         depth: &ImageHandle,
-        fragments: &impl Fragments<'f>,
+        fragments: &dyn Fragments<'f>,
         nodes: ImageHandle,
         frame: Data,
         wanted: impl Fn() -> crate::Result<bool> + 'f,
@@ -164,7 +164,7 @@ impl ABuffer {
 }
 
 /// Counts all fragments by a precise occlusion query.
-fn samples<'f>(graph: &mut Graph<'f>, depth: &ImageHandle, fragments: &impl Fragments<'f>) {
+fn samples<'f>(graph: &mut Graph<'f>, depth: &ImageHandle, fragments: &dyn Fragments<'f>) {
     let programs = fragments.programs(Step::Samples).into_iter();
     let programs = programs.map(|program| program.depth(depth::CLOSER, false));
     let mut pass = graph.raster("abuffer.samples", programs.collect());

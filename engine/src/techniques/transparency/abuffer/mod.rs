@@ -5,13 +5,11 @@
 //! "Memory-optimized order-independent transparency with dynamic fragment buffer" (counting, prefix sum, arrays).
 
 mod arrays;
-mod fragments;
 mod lists;
 mod node;
 mod resolve;
 mod scan;
 
-pub use fragments::{Blended, Draw, Fragments, Step};
 pub use node::{COMPACT_TRIANGLES, Node, NodeFormat};
 pub use resolve::MOST_LAYERS;
 
@@ -19,6 +17,8 @@ use self::scan::Scanned;
 use crate::graph::{BufferHandle, Checkpoint, Data, Graph, ImageHandle};
 use crate::scene::View;
 use crate::shader::generated::blocks;
+use crate::techniques::transparency::OrderIndependent;
+use crate::techniques::transparency::fragments::Fragments;
 
 /// A-buffer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,12 +102,25 @@ impl ABuffer {
         graph: &mut Graph<'f>,
         view: &View,
         depth: &ImageHandle,
-        fragments: &impl Fragments<'f>,
+        fragments: &dyn Fragments<'f>,
         color: ImageHandle,
     ) -> Composited {
         match self.build {
             Build::Arrays => self.by_arrays(graph, view, depth, fragments, color),
             Build::Lists(sizing) => self.by_lists(sizing, graph, view, depth, fragments, color),
         }
+    }
+}
+
+impl OrderIndependent for ABuffer {
+    fn composite<'f>(
+        &self,
+        graph: &mut Graph<'f>,
+        view: &View,
+        depth: &ImageHandle,
+        fragments: &dyn Fragments<'f>,
+        color: ImageHandle,
+    ) -> ImageHandle {
+        self.record(graph, view, depth, fragments, color).color
     }
 }

@@ -1,6 +1,4 @@
-// Fragments of BLEND materials, shaded forward, each with the number of its triangle.
-#include "common/views.glsl"
-#include "transparency/forward.glsl"
+// The number of each fragment's triangle.
 
 #ifdef PULL_VERTICES
 layout(location = 6) flat in uint vertex_primitive;

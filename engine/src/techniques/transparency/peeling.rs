@@ -1,0 +1,124 @@
+//! What both kinds of depth peeling share: how many rounds there are, and what they gather.
+
+use ash::vk;
+
+use super::fragments::{Draw, Fragments, count};
+use crate::Error;
+use crate::graph::{BufferHandle, Checkpoint, Graph, ImageHandle, ImageShape};
+use crate::shader::generated::blocks;
+use crate::shader::generated::transparency::{most_layers_comp, over_opaque_comp, peel_rounds_comp};
+
+/// Pixels of an invocation that counts: `most_layers.comp`.
+const CHUNK: u32 = 256;
+/// Rounds before the first layer is known: `peeling.glsl`.
+const AHEAD: u32 = 2;
+
+/// Most layers that can be asked for: each round is two passes of the frame.
+const MOST_LAYERS: u32 = 4096;
+
+/// Rounds of peeling, as many as may be needed.
+pub(super) struct Rounds {
+    name: &'static str,
+    /// Layers of each pixel.
+    count: ImageHandle,
+    told: Checkpoint<blocks::MostLayers>,
+    /// Workgroups of each round over the picture; none of those that are not needed.
+    groups: BufferHandle,
+    /// Layers that are peeled at most, and layers a round.
+    layers: u32,
+    layers_a_round: u32,
+}
+
+impl Rounds {
+    /// Counts the layers; the host reads how many rounds that makes.
+    pub(super) fn new<'f>(
+        graph: &mut Graph<'f>,
+        name: &'static str,
+        depth: &ImageHandle,
+        fragments: &dyn Fragments<'f>,
+        layers: u32,
+        layers_a_round: u32,
+    ) -> Self {
+        let (size, layers) = (depth.size(), layers.min(MOST_LAYERS));
+        let count = count(graph, name, depth, fragments);
+        let most = graph.buffer(format!("{name}.most"), size_of::<blocks::MostLayers>() as u64);
+        let most = graph.fill(format!("{name}.most.begin"), most, 0);
+        let mut pass = graph.compute(format!("{name}.most"), &most_layers_comp::SHADER);
+        pass.read(most_layers_comp::COUNTS, &count).push(&layers);
+        let most = pass.write(most_layers_comp::LAYERS, most);
+        pass.dispatch([(size[0] * size[1]).div_ceil(CHUNK), 1, 1]);
+
+        let told = graph.checkpoint(format!("{name}.most"), &most);
+        let rounds = layers.div_ceil(layers_a_round) + AHEAD;
+        let groups = graph.buffer(format!("{name}.rounds"), 12 * u64::from(rounds));
+        let mut pass = graph.compute(format!("{name}.rounds"), &peel_rounds_comp::SHADER);
+        let whole = size.map(|side| side.div_ceil(8));
+        pass.read(peel_rounds_comp::LAYERS, &most).push(&[whole[0], whole[1], layers_a_round]);
+        let groups = pass.write(peel_rounds_comp::ROUNDS, groups);
+        pass.dispatch([rounds, 1, 1]);
+        Self { name, count, told, groups, layers, layers_a_round }
+    }
+
+    /// The numbers of all rounds.
+    pub(super) fn all(&self) -> std::ops::Range<u32> {
+        0..self.layers.div_ceil(self.layers_a_round) + AHEAD
+    }
+
+    /// Workgroups of a round: a buffer and an offset.
+    pub(super) fn groups(&self, round: u32) -> (&BufferHandle, u64) {
+        (&self.groups, 12 * u64::from(round))
+    }
+
+    /// `draw`, where the round is needed. Fails where no number of rounds is enough.
+    pub(super) fn draw<'f>(&self, round: u32, mut draw: Draw<'f>) -> Draw<'f> {
+        let (told, name, layers, layers_a_round) = (self.told.clone(), self.name, self.layers, self.layers_a_round);
+        Box::new(move |recorder| {
+            let blocks::MostLayers { most, too_deep } = told.values()?[0];
+            if most > layers {
+                let wrong = format!(
+                    "a pixel has {most} layers; {layers} are peeled, and {too_deep} fragments behind them would be lost"
+                );
+                return Err(Error::invalid(name, wrong));
+            }
+            let needed = most > 0 && round < most.div_ceil(layers_a_round) + AHEAD;
+            if needed { draw(recorder) } else { Ok(()) }
+        })
+    }
+
+    /// Puts `front` over `color`, where there are layers.
+    pub(super) fn over(&self, graph: &mut Graph, front: &ImageHandle, color: ImageHandle) -> ImageHandle {
+        let size = color.size();
+        let mut pass = graph.compute(format!("{}.over", self.name), &over_opaque_comp::SHADER);
+        pass.read(over_opaque_comp::COUNTS, &self.count).read(over_opaque_comp::FRONT, front);
+        let color = pass.write(over_opaque_comp::COLOR, color);
+        pass.dispatch([size[0], size[1], 1]);
+        color
+    }
+}
+
+/// What rounds hand on.
+pub(super) struct Peeled {
+    /// States: a layer an end.
+    pub(super) state: ImageHandle,
+    /// Results of searches: three layers an end.
+    pub(super) found: ImageHandle,
+    /// Gathered from the front; the alpha is what it lets through.
+    pub(super) front: ImageHandle,
+}
+
+impl Peeled {
+    /// Nothing is peeled yet, from one end or from both.
+    pub(super) fn nothing(graph: &mut Graph, name: &str, size: [u32; 2], ends: u32) -> Self {
+        let mut cleared = |what: &str, format, layers, value| {
+            let image = graph.image(format!("{name}.{what}"), ImageShape::new_2d(format, size).layers(layers));
+            graph.clear(format!("{name}.{what}.begin"), image, value)
+        };
+        let begin = vk::ClearColorValue { uint32: [u32::MAX; 4] };
+        let clear = vk::ClearColorValue { float32: [0.0, 0.0, 0.0, 1.0] };
+        Self {
+            state: cleared("peeled", vk::Format::R32G32B32A32_UINT, ends, begin),
+            found: cleared("found", vk::Format::R32_UINT, 3 * ends, vk::ClearColorValue::default()),
+            front: cleared("front", vk::Format::R32G32B32A32_SFLOAT, 1, clear),
+        }
+    }
+}

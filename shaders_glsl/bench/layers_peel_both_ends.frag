@@ -1,0 +1,11 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#include "transparency/dual_depth_peeling/peel.glsl"
+
+// One colour, so that shading hides nothing.
+
+layout(location = 0) flat in uint layer;
+
+void main() {
+    peel(vec4(0.1, 0.2, 0.3, 0.4), layer);
+}

@@ -1,0 +1,8 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#include "transparency/fragment.glsl"
+#include "transparency/depth_peeling/peel.glsl"
+
+void main() {
+    peel(forward_color(), fragment_key());
+}

@@ -1,0 +1,9 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#define PULL_VERTICES
+#include "transparency/fragment.glsl"
+#include "transparency/kbuffer/keep_colors.glsl"
+
+void main() {
+    keep_color(forward_color(), fragment_key());
+}

@@ -1,0 +1,6 @@
+#version 460
+#include "transparency/kbuffer/keep_depths.glsl"
+
+void main() {
+    keep_depth();
+}

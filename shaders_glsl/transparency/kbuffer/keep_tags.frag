@@ -1,0 +1,7 @@
+#version 460
+#include "transparency/key.glsl"
+#include "transparency/kbuffer/keep_tags.glsl"
+
+void main() {
+    keep_tag(fragment_key());
+}
