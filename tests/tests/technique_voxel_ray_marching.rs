@@ -1,10 +1,9 @@
 //! Walks through bits against whole numbers on the host, and against rays through the triangles.
 #![allow(missing_docs, clippy::unwrap_used)]
 
-use ash::vk;
 use glam::{DVec3, Mat4, Vec3};
 use shadowgraph::Result;
-use shadowgraph::gpu::{BufferInfo, Gpu, Memory};
+use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::description::Access;
 use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::{GpuScene, Scene};
@@ -40,15 +39,8 @@ fn march(
     record: impl for<'f> Fn(&mut Graph<'f>, &'f GpuScene) -> Result<VoxelBits>,
 ) -> Marched {
     let scene = scene.clone().upload(gpu).unwrap();
-    let words: Vec<Segment> = segments
-        .iter()
-        .map(|ends| Segment { origin: ends[0].to_array().into(), end: ends[1].to_array().into() })
-        .collect();
-    let bytes: &[u8] = bytemuck::cast_slice(&words);
-    let (usage, memory) = (vk::BufferUsageFlags::STORAGE_BUFFER, Memory::Readback);
-    let info = BufferInfo { name: "segments", size: bytes.len() as u64, usage, memory };
-    let buffer = gpu.create_buffer(&info).unwrap();
-    buffer.write(0, bytes).unwrap();
+    let segments: Vec<_> = segments.iter().map(|&[origin, end]| Segment::new(origin, end)).collect();
+    let buffer = Segment::upload(gpu, &segments).unwrap();
     let mut blocked = Vec::new();
     let mut last = None;
     for levels in LEVELS {
@@ -261,8 +253,8 @@ fn against_triangles(gpu: &Gpu) -> Vec<Figure> {
                 blocked += usize::from(is);
             }
         }
-        // 2. Those apart from silhouettes: moved by a voxel's diagonal to any side, or made longer or shorter by it, they are as
-        // they were.
+        // 2. Those apart from silhouettes: moved by a voxel's diagonal to any side, or made longer or shorter by it, they
+        // are as they were.
         let diagonal = f64::from(grid.edge()) * 3.0_f64.sqrt();
         let apart = parallel::rows(segments.len(), |index| {
             let [a, b] = segments[index].map(Vec3::as_dvec3);

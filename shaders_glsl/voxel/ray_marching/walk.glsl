@@ -1,5 +1,5 @@
-// The walk of a segment through a grid of bits, exact in integers. Coordinates count parts of a voxel, PARTS an axis, from the
-// grid's lower corner, in column coordinates. A voxel is half open: it holds its lower faces.
+// The walk of a segment through a grid of bits, exact in integers. Coordinates count parts of a voxel, PARTS an axis,
+// from the grid's lower corner, in column coordinates. A voxel is half open: it holds its lower faces.
 //
 // Leaving a voxel is an event on an axis, at distance / total of the way, where `distance` is how far the plane is along
 // the axis and `total` how far the segment goes. Towards greater coordinates a plane belongs to what lies behind it,

@@ -59,8 +59,8 @@ impl Segment {
 
     /// All voxels it passes, in order.
     pub fn passed(&self) -> Vec<[i64; 3]> {
-        // Planes on the way. At one place, those that are met upwards come first and together, for what they bound holds them;
-        // then those met downwards.
+        // Planes on the way. At one place, those that are met upwards come first and together, for what they bound holds
+        // them; then those met downwards.
         let mut planes: Vec<(Place, bool, usize)> = Vec::new();
         let mut voxel = self.from.map(|part| part.div_euclid(PARTS));
         for (axis, (from, to)) in self.from.into_iter().zip(self.to).enumerate() {

@@ -3,6 +3,7 @@
 mod abuffer;
 mod capture;
 mod graph;
+mod rays;
 mod voxelize;
 mod write;
 

@@ -14,7 +14,7 @@ use shadowgraph::techniques::voxel::stencil::Stencil;
 use shadowgraph::techniques::voxel::winding::Winding;
 use shadowgraph::techniques::voxel::{Grid, VoxelBits};
 
-use super::{Measurement, median, milliseconds};
+use super::{Measurement, median, milliseconds, rays};
 use crate::cli::{BenchArguments, DeviceArguments};
 use crate::failure::Result;
 use crate::session;
@@ -78,6 +78,7 @@ pub fn run(arguments: &BenchArguments, tell: &mut impl FnMut(Measurement) -> Res
         }
         Ok(())
     });
+    let measured = measured.and_then(|()| rays::run(&gpu, &sphere(264), arguments.runs as usize, tell));
     let closed = session::close(gpu);
     measured.and(closed)
 }

@@ -7,7 +7,12 @@ mod pyramid;
 
 pub use pyramid::{Level, Pyramid};
 
+use ash::vk;
+use glam::Vec3;
+
 use super::VoxelBits;
+use crate::Result;
+use crate::gpu::{Buffer, BufferInfo, Gpu, Memory};
 use crate::graph::{BufferHandle, Graph};
 use crate::shader::generated::blocks;
 pub use crate::shader::generated::blocks::Segment;
@@ -16,9 +21,10 @@ use crate::shader::generated::voxel::ray_marching::march_comp;
 /// Any-hit visibility between pairs of points, through the bits of a grid.
 ///
 /// A segment is blocked where a point of it lies in a set voxel, but for the voxels that hold its two ends: a point on a
-/// surface may lie in a voxel of that surface. Voxels are half open, so that a point lies in one of them. Ends are rounded to 1/4096 voxel, towards
-/// the grid's lower corner; the part of a segment outside of the grid meets nothing. From end to origin the answer is the
-/// same, but for the rounding of segments that reach out of the grid.
+/// surface may lie in a voxel of that surface. Voxels are half open, so that a point lies in one of them. Ends are rounded
+/// to 1/4096 voxel, towards the grid's lower corner; the part of a segment outside of the grid meets nothing. From end to
+/// origin the answer is the same, but for the rounding of segments that reach out of the grid. A segment that is not
+/// finite, or reaches 1e30 voxels, meets nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RayMarching {
     /// Levels of the pyramid to skip by, at most; 0 for a walk from voxel to voxel. The answers are the same.
@@ -28,6 +34,26 @@ pub struct RayMarching {
 impl Default for RayMarching {
     fn default() -> Self {
         Self { levels: u32::MAX }
+    }
+}
+
+impl Segment {
+    /// Between two points in world space.
+    pub fn new(origin: Vec3, end: Vec3) -> Self {
+        Self { origin: origin.to_array().into(), end: end.to_array().into() }
+    }
+
+    /// A buffer of segments from the host, to be imported into frames.
+    ///
+    /// # Errors
+    /// [`crate::Error::Invalid`] where there are none; [`crate::Error::OutOfMemory`].
+    pub fn upload(gpu: &Gpu, segments: &[Self]) -> Result<Buffer> {
+        let bytes: &[u8] = bytemuck::cast_slice(segments);
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let info = BufferInfo { name: "segments", size: bytes.len() as u64, usage, memory: Memory::Upload };
+        let buffer = gpu.create_buffer(&info)?;
+        buffer.write(0, bytes)?;
+        Ok(buffer)
     }
 }
 

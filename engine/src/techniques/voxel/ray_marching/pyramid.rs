@@ -5,8 +5,8 @@ use crate::shader::generated::blocks;
 use crate::shader::generated::voxel::ray_marching::{reduce_bits_comp, reduce_comp};
 use crate::techniques::voxel::VoxelBits;
 
-/// Levels 1 and above of a pyramid of bits on the device; level 0 are the voxels themselves. A voxel of a level is set where any
-/// of the 2×2×2 below it is.
+/// Levels 1 and above of a pyramid of bits on the device; level 0 are the voxels themselves. A voxel of a level is set
+/// where any of the 2×2×2 below it is.
 pub struct Pyramid {
     /// The words of all levels, one behind the other; each lies as [`VoxelBits::bits`] do.
     pub words: BufferHandle,

@@ -23,37 +23,41 @@ pub struct Winding {
 const BAND_BYTES: u32 = 128 << 20;
 
 impl Winding {
-    /// Sets the voxels whose centres are inside. Rows of columns whose counts take more than 128 MiB are found one band
-    /// after the other; each draws the scene.
+    /// Sets the voxels whose centres are inside. Where the counts of all columns take more than 128 MiB, rows of columns
+    /// are found band by band; each band draws the scene.
     ///
     /// # Errors
     /// [`crate::Error::Invalid`] where the device cannot bind so many bits at once.
     pub fn record<'f>(&self, graph: &mut Graph<'f>, scene: &'f GpuScene, grid: &Grid) -> Result<VoxelBits> {
         let VoxelBits { mut bits, grid, axis } = VoxelBits::new(graph, "voxel.bits", grid, self.axis)?;
         let [width, height, depth] = grid.columns(axis);
+        let row = 4 * width * depth.next_multiple_of(32);
         let most = BAND_BYTES.min(graph.caps().limits.max_storage_buffer_range);
-        let band = (most / (4 * width * depth)).clamp(1, height);
-        let mut counts = graph.buffer("voxel.counts", 4 * u64::from(width * depth) * u64::from(band));
+        let band = (most / row).clamp(1, height);
+        let counts = graph.buffer("voxel.counts", u64::from(row) * u64::from(band));
+        let mut counts = graph.fill("voxel.winding.clear", counts, 0);
+        bits = graph.fill("voxel.clear", bits, 0);
 
         for first in (0..height).step_by(band as usize) {
-            // 1. Count each crossing.
+            // 1. Count each crossing, and mark where.
             let rows = band.min(height - first);
-            counts = graph.fill(format!("voxel.winding.clear.{first}"), counts, 0);
             let program = columns::program(graph.caps(), &columns_vert::SHADER, &count_frag::SHADER);
             let mut pass = graph.raster(format!("voxel.winding.{first}"), vec![program]);
             pass.area([width, height]);
             columns::bind(&mut pass, scene, &grid, axis);
             counts = pass.write(count_frag::COUNTS, counts);
+            bits = pass.write(count_frag::BITS, bits);
             pass.draw(move |recorder| {
                 recorder.scissor([0, first], [width, rows]);
                 recorder.push(&[first, rows]);
                 scene.draw(recorder, Faces::Both, scene.draws.draws());
                 Ok(())
             });
-            // 2. Sum the counts of each column.
+            // 2. Sum the counts of each column; they are 0 again after.
             let mut pass = graph.compute(format!("voxel.winding.scan.{first}"), &scan_comp::SHADER);
-            pass.uniform(scan_comp::VOXEL_GRID, &grid.block(axis)).read(scan_comp::COUNTS, &counts);
+            pass.uniform(scan_comp::VOXEL_GRID, &grid.block(axis));
             pass.push(&[first, rows]).specialize(scan_comp::EVEN_ODD, self.rule == FillRule::EvenOdd);
+            counts = pass.write(scan_comp::COUNTS, counts);
             bits = pass.write(scan_comp::BITS, bits);
             pass.dispatch([width * rows, 1, 1]);
         }
