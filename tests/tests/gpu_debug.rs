@@ -309,7 +309,7 @@ fn misused_passes_are_errors() {
         graph.capture("float", &buffered);
         let said = errors(&graph);
         for line in [
-            "pass `none`: has no attachment; colour or depth, or an area",
+            "pass `none`: has no attachment; colour, depth or stencil, or an area",
             "pass `none`, slot `color`: has no attachment; triangle.frag writes it; location 0",
             "pass `sizes`, slot `depth`: is 8×4 with 1 layers; 4×4 with 1 layers, as the attachment before",
             "pass `sizes`, slot `previous`: is bound, but the pass's shaders do not have it; ",

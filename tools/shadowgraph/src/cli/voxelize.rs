@@ -1,0 +1,117 @@
+//! What `voxelize` takes.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use glam::Vec3;
+use shadowgraph::techniques::voxel::{Axis, FillRule};
+
+use super::DeviceArguments;
+use crate::arguments::{self, Resolution, SceneSource};
+
+/// Arguments of `voxelize`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "\
+Writes a NumPy array of bytes, indexed [z,y,x], 1 where a voxel's centre is inside a solid (bitmask, stencil, \
+winding) or a triangle \
+touches the voxel (conservative, six-separating), and beside it a .json file \
+that says where the voxels are: voxel (i,j,k) has its centre at min + (i+1/2, j+1/2, k+1/2) * voxel_edge.
+
+Examples:
+  shadowgraph voxelize scene.glb --resolution 256 -o scene.npy
+  shadowgraph voxelize scene.glb --resolution 64,32,64 --min -1,0,-1 --edge 2 -o scene.npy --json")]
+pub struct VoxelizeArguments {
+    /// A .gltf or .glb file, or a built-in scene: builtin:NAME
+    #[arg(value_parser = arguments::scene)]
+    pub scene: SceneSource,
+    /// Voxels along each axis, or along x, y and z; the grid of one number is a cube
+    #[arg(long, value_name = "N|X,Y,Z", default_value = "128")]
+    pub resolution: Resolution,
+    /// Lower corner of the grid in metres; otherwise the grid is around the scene
+    #[arg(long, value_name = "X,Y,Z", value_parser = arguments::point, allow_hyphen_values = true, requires = "edge")]
+    pub min: Option<Vec3>,
+    /// Length of the grid along its axis with the most voxels, in metres
+    #[arg(long, value_name = "METRES", value_parser = arguments::positive, allow_hyphen_values = true, requires = "min")]
+    pub edge: Option<f32>,
+    /// The axis that columns of voxels run along. Which one matters only where a surface has holes
+    #[arg(long, value_enum, default_value_t = AxisName::Z)]
+    pub axis: AxisName,
+    /// How voxels are found
+    #[arg(long, value_enum, default_value_t = VoxelMethod::Bitmask)]
+    pub method: VoxelMethod,
+    /// What is inside (stencil, winding): what surfaces wind around, the default, so that solids that overlap are one; or
+    /// what lies behind an odd number of surfaces
+    #[arg(long, value_enum)]
+    pub rule: Option<RuleName>,
+    /// The file to write; its name says the format: .npy or .packed.npy (NumPy), .binvox, .vox (MagicaVoxel), .exr (a part
+    /// a slice), .glb (a mesh to look at), .png (a picture of slices). What it means is written beside it, as .json
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Print one JSON object: what the .json file has, times and memory
+    #[arg(long)]
+    pub json: bool,
+    /// The device
+    #[command(flatten)]
+    pub device: DeviceArguments,
+}
+
+/// An axis of the world.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum AxisName {
+    /// World x.
+    X,
+    /// World y.
+    Y,
+    /// World z.
+    Z,
+}
+
+impl From<AxisName> for Axis {
+    fn from(name: AxisName) -> Self {
+        match name {
+            AxisName::X => Self::X,
+            AxisName::Y => Self::Y,
+            AxisName::Z => Self::Z,
+        }
+    }
+}
+
+/// A way to find voxels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum VoxelMethod {
+    /// Solids, by XOR of column bits: inside is what lies behind an odd number of surfaces.
+    Bitmask,
+    /// Solids, counted slice by slice in a stencil buffer.
+    Stencil,
+    /// Solids, by winding numbers counted in one pass.
+    Winding,
+    /// Surfaces: every voxel that a triangle touches.
+    Conservative,
+    /// Surfaces: as few voxels as separate the two sides.
+    SixSeparating,
+}
+
+impl VoxelMethod {
+    /// Whether it finds what is inside of surfaces, which must be closed for that.
+    pub fn is_solid(self) -> bool {
+        matches!(self, Self::Bitmask | Self::Stencil | Self::Winding)
+    }
+}
+
+/// A rule of what is inside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum RuleName {
+    /// What surfaces wind around.
+    NonZero,
+    /// What lies behind an odd number of surfaces.
+    EvenOdd,
+}
+
+impl From<RuleName> for FillRule {
+    fn from(rule: RuleName) -> Self {
+        match rule {
+            RuleName::NonZero => Self::NonZero,
+            RuleName::EvenOdd => Self::EvenOdd,
+        }
+    }
+}
