@@ -308,19 +308,24 @@ fn a_graph_is_written_as_a_page_with_times() {
     assert!(!missing.status.success() && stderr(&missing).contains("nowhere"), "{}", stderr(&missing));
 }
 
-#[test]
-fn benchmarks_print_one_object_a_line() {
+/// Bench, case and metric of each line that a benchmark prints.
+fn metrics(name: &str) -> Vec<String> {
     let folder = tempfile::tempdir().unwrap();
-    let arguments = ["bench", "--json", "--runs", "1", "--size", "64x36", "--scene", "builtin:cornell"];
+    let arguments = ["bench", name, "--json", "--runs", "1", "--size", "64x36", "--scene", "builtin:cornell"];
     let printed = stdout(&succeeds(&folder, &arguments));
-    let mut metrics = Vec::new();
-    for line in printed.lines() {
+    let metric = |line: &str| {
         let figure: serde_json::Value = serde_json::from_str(line).unwrap();
         let object = figure.as_object().unwrap();
         assert_eq!(object.keys().collect::<Vec<_>>(), ["bench", "case", "metric", "unit", "value"]);
         assert!(object["value"].as_f64().unwrap() >= 0.0);
-        metrics.push(["bench", "case", "metric"].map(|key| object[key].as_str().unwrap().to_string()).join(" "));
-    }
+        ["bench", "case", "metric"].map(|key| object[key].as_str().unwrap().to_string()).join(" ")
+    };
+    printed.lines().map(metric).collect()
+}
+
+#[test]
+fn benchmarks_print_one_object_a_line() {
+    let metrics = [metrics("capture"), metrics("write")].concat();
     for phase in
         ["process start", "device", "loading", "first-draw compilation", "rendering", "read-back", "writing", "total"]
     {
@@ -329,6 +334,14 @@ fn benchmarks_print_one_object_a_line() {
         }
     }
     assert!(metrics.contains(&"write zip time".to_string()) && metrics.contains(&"write none size".to_string()));
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn every_benchmark_runs() {
+    for name in ["graph", "voxelize", "abuffer"] {
+        assert!(metrics(name).len() > 10, "{name}");
+    }
 }
 
 #[test]
