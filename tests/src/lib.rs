@@ -14,6 +14,7 @@ pub mod judge;
 pub mod packing;
 pub mod panes;
 pub mod parallel;
+pub mod peeled;
 pub mod plot;
 pub mod render;
 pub mod solids;

@@ -90,6 +90,36 @@ pub fn by_both_rules(gpu: &Gpu, find: impl Fn(&Scene, &Grid, Axis, FillRule) -> 
     figures
 }
 
+/// Mistakes that a comparison of windings must see.
+pub fn mistakes_are_seen(find: impl Fn(&Scene, &Grid) -> Voxels) {
+    let truth = one("torus", vec![(torus(48, 24), awkward())]);
+    let grid = Grid::around(&bounds(&truth), 64).unwrap_or_else(|error| panic!("{error}"));
+    let triangles = twin::voxel::in_grid(&truth, &grid);
+    let wound: Vec<_> = twin::voxel::windings(&triangles, grid.size()).iter().map(|&winding| winding != 0).collect();
+    let far = |change: &dyn Fn(&mut Scene)| {
+        let mut scene = truth.clone();
+        change(&mut scene);
+        compare(&find(&scene, &grid), &triangles, &wound)[2]
+    };
+    assert_eq!(far(&|_| {}), 0);
+    // A twentieth of a voxel aside; a triangle lost; a triangle turned around.
+    let aside = Mat4::from_translation(Vec3::X * 0.05 * grid.edge()) * awkward();
+    assert!(far(&|scene| scene.objects[0].world_from_object = aside) > 0);
+    assert!(far(&|scene| drop(scene.meshes[0].primitives[0].indices.drain(..3))) > 0);
+    assert!(far(&|scene| scene.meshes[0].primitives[0].indices.swap(0, 1)) > 0);
+}
+
+/// Two cubes that overlap are one by the rule that is not 0, and have a hole by the other one, as by XOR.
+pub fn overlap_is_one(gpu: &Gpu, find: impl Fn(&Scene, &Grid, Axis, FillRule) -> Voxels) {
+    let (scene, grid) = overlapping_cubes();
+    for axis in [Axis::X, Axis::Y, Axis::Z] {
+        let of = |rule| find(&scene, &grid, axis, rule).count();
+        let bitmask = Bitmask { axis, ..Bitmask::default() };
+        let xor = voxelize(gpu, &scene, &grid, |graph, scene| bitmask.record(graph, scene, &grid)).count();
+        assert_eq!([of(FillRule::NonZero), of(FillRule::EvenOdd), xor], [960, 896, 896], "{axis:?}");
+    }
+}
+
 /// World-space bounds of all vertices.
 pub fn bounds(scene: &Scene) -> Aabb {
     let objects = scene.objects.iter().flat_map(|object| {

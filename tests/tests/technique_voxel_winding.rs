@@ -52,36 +52,14 @@ fn voxel_winding_agrees_with_its_reference() {
 
 #[test]
 fn voxel_winding_with_a_seeded_mistake_is_caught() {
-    let gpu = shared();
-    let truth = one("torus", vec![(torus(48, 24), awkward())]);
-    let grid = Grid::around(&bounds(&truth), 64).unwrap();
-    let triangles = twin::voxel::in_grid(&truth, &grid);
-    let wound: Vec<_> = twin::voxel::windings(&triangles, grid.size()).iter().map(|&winding| winding != 0).collect();
-    let far = |scene: &Scene| solids::compare(&voxelize(gpu, scene, &grid, Winding::default()), &triangles, &wound)[2];
-    assert_eq!(far(&truth), 0);
-    // A twentieth of a voxel aside; a triangle lost; a triangle turned around.
-    let mut aside = truth.clone();
-    aside.objects[0].world_from_object = Mat4::from_translation(Vec3::X * 0.05 * grid.edge()) * awkward();
-    assert!(far(&aside) > 0);
-    let mut holed = truth.clone();
-    holed.meshes[0].primitives[0].indices.drain(..3);
-    assert!(far(&holed) > 0);
-    let mut turned = truth.clone();
-    turned.meshes[0].primitives[0].indices.swap(0, 1);
-    assert!(far(&turned) > 0);
-    silent(gpu);
+    solids::mistakes_are_seen(|scene, grid| voxelize(shared(), scene, grid, Winding::default()));
+    silent(shared());
 }
 
 #[test]
 fn solids_that_overlap_are_one_where_xor_has_a_hole() {
     let gpu = shared();
-    let (scene, grid) = solids::overlapping_cubes();
-    for axis in [Axis::X, Axis::Y, Axis::Z] {
-        let of = |rule| voxelize(gpu, &scene, &grid, Winding { axis, rule }).count();
-        let bitmask = Bitmask { axis, ..Bitmask::default() };
-        let xor = solids::voxelize(gpu, &scene, &grid, |graph, scene| bitmask.record(graph, scene, &grid)).count();
-        assert_eq!([of(FillRule::NonZero), of(FillRule::EvenOdd), xor], [960, 896, 896], "{axis:?}");
-    }
+    solids::overlap_is_one(gpu, |scene, grid, axis, rule| voxelize(gpu, scene, grid, Winding { axis, rule }));
     silent(gpu);
 }
 

@@ -1,0 +1,94 @@
+//! What holds for both kinds of depth peeling, whose tests call these.
+
+use shadowgraph::techniques::transparency::OrderIndependent;
+use shadowgraph::techniques::transparency::abuffer::{ABuffer, Build, NodeFormat};
+
+use crate::device::{shared, silent};
+use crate::figures::Check;
+use crate::soup::{Kitchen, Random, Soup};
+
+/// An A-buffer whose nodes round nothing: what is peeled is not stored either.
+pub const ABUFFER: ABuffer = ABuffer { build: Build::Arrays, format: NodeFormat::Float, exponent: 0, memory: u64::MAX };
+
+/// Against the twin in double precision, and against the A-buffer by what `compare` makes of a soup, the picture found and
+/// the A-buffer's.
+pub fn with_references(
+    peeling: &dyn OrderIndependent,
+    compare: impl Fn(&Soup, &[[f32; 4]], &[[f32; 4]]) -> Check,
+) -> Vec<Check> {
+    let soups = [
+        Soup::random(1, [64, 64], 6, 0).with_any_alpha(),
+        Soup::random(3, [32, 32], 40, 30).with_any_alpha(),
+        Soup::interpenetrating([32, 32], 12),
+        Soup::coplanar([64, 64], 21),
+    ];
+    let mut checks = Vec::new();
+    for soup in &soups {
+        let mut kitchen = Kitchen::new(shared(), soup);
+        let found = composite(&mut kitchen, peeling, false);
+        let layers = kitchen.run(ABUFFER, false).unwrap_or_else(|error| panic!("{error}"));
+        assert!(layers.longest > 2);
+        checks.extend([soup.compare(&found, 1e-5, "color"), compare(soup, &found, &layers.color)]);
+    }
+    silent(shared());
+    checks
+}
+
+/// Every order of draws gives the same bytes: equal depths too.
+pub fn orders_are_equal(peeling: &dyn OrderIndependent) {
+    let mut random = Random::new(5);
+    let mut kitchen = Kitchen::new(shared(), &Soup::coplanar([64, 64], 21));
+    let first = composite(&mut kitchen, peeling, false);
+    for run in 0..8 {
+        kitchen.reorder(|draws| {
+            random.shuffle(draws);
+            draws.sort_by_key(|draw| draw.class);
+        });
+        assert!(composite(&mut kitchen, peeling, run % 2 == 1) == first, "run {run}");
+    }
+    silent(shared());
+}
+
+/// More layers than are peeled end the frame, and the error says how many there are and how many fragments would go.
+/// `of`: peeling of at most so many layers.
+pub fn nothing_is_lost_in_silence<P: OrderIndependent>(of: impl Fn(u32) -> P) {
+    let soup = Soup::random(6, [32, 32], 8, 9);
+    let fragments = soup.fragments();
+    let most = fragments.iter().map(Vec::len).max().unwrap_or(0);
+    let mut kitchen = Kitchen::new(shared(), &soup);
+    let whole = composite(&mut kitchen, &of(most as u32), false);
+    soup.compare(&whole, 1e-5, "color").demand();
+    for layers in [most - 1, most / 2, 1, 0] {
+        let lost: usize = fragments.iter().map(|fragments| fragments.len().saturating_sub(layers)).sum();
+        let said = kitchen.composite(&of(layers as u32), false).err().map(|error| error.to_string());
+        let expected =
+            format!("a pixel has {most} layers; {layers} are peeled, and {lost} fragments behind them would be lost");
+        assert!(said.as_ref().is_some_and(|said| said.contains(&expected)), "{said:?}");
+    }
+    // Nothing to peel.
+    let nothing = Soup { triangles: Vec::new(), ..soup };
+    let picture = composite(&mut Kitchen::new(shared(), &nothing), &of(0), false);
+    nothing.compare(&picture, 0.0, "color").demand();
+    silent(shared());
+}
+
+/// Mistakes that the comparison with the twin must see.
+pub fn mistakes_are_seen(peeling: &dyn OrderIndependent) {
+    let soup = Soup::coplanar([64, 64], 21);
+    let fails = |change: fn(&mut Soup)| {
+        let mut mistaken = soup.clone();
+        change(&mut mistaken);
+        let found = composite(&mut Kitchen::new(shared(), &mistaken), peeling, false);
+        soup.compare(&found, 1e-5, "color").fails()
+    };
+    assert!(!fails(|_| {}));
+    // A layer less; one a little denser; ties the other way around.
+    assert!(fails(|soup| soup.triangles.truncate(41)));
+    assert!(fails(|soup| soup.triangles[3].color[3] *= 0.99));
+    assert!(fails(|soup| soup.triangles.reverse()));
+    silent(shared());
+}
+
+fn composite(kitchen: &mut Kitchen, peeling: &dyn OrderIndependent, pull: bool) -> Vec<[f32; 4]> {
+    kitchen.composite(peeling, pull).unwrap_or_else(|error| panic!("{error}"))
+}
