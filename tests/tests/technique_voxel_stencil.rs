@@ -11,7 +11,7 @@ use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures;
 use shadowgraph_tests::harness;
 use shadowgraph_tests::solids::{self, awkward, bounds, front, one, soup, torus};
-use shadowgraph_tests::{tiny, twin};
+use shadowgraph_tests::tiny;
 
 fn voxelize(gpu: &Gpu, scene: &Scene, grid: &Grid, technique: Stencil) -> Voxels {
     solids::voxelize(gpu, scene, grid, |graph, scene| technique.record(graph, scene, grid))

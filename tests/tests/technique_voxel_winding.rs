@@ -1,7 +1,7 @@
 //! Solid voxels by signed counting against winding numbers along rays, and against the bits of the stencil.
 #![allow(missing_docs, clippy::unwrap_used)]
 
-use glam::{Mat4, Vec3};
+use glam::Vec3;
 use shadowgraph::gpu::Gpu;
 use shadowgraph::scene::Scene;
 use shadowgraph::techniques::voxel::bitmask::Bitmask;
@@ -12,7 +12,6 @@ use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure};
 use shadowgraph_tests::harness;
 use shadowgraph_tests::solids::{self, awkward, bounds, front, one, torus};
-use shadowgraph_tests::twin;
 
 fn voxelize(gpu: &Gpu, scene: &Scene, grid: &Grid, technique: Winding) -> Voxels {
     solids::voxelize(gpu, scene, grid, |graph, scene| technique.record(graph, scene, grid))
