@@ -1,4 +1,4 @@
-"""Voxels of one sphere by tools from PyPI, and by the program beside this file, one after the other in one run.
+"""Voxels of one sphere by tools for Python, and by the program beside this file, one after the other in one run.
 
     pip install numpy trimesh scipy vtk open3d
     python compare.py [--runs 5] [--size 256]
