@@ -1,7 +1,5 @@
 //! Deep pictures: all layers of each pixel, from the A-buffer and the first opaque surface.
 
-use glam::Vec4;
-
 use serde::Serialize;
 
 use super::{FrameCapture, Metadata};
@@ -59,11 +57,8 @@ impl<S: Serialize + Sync> FrameCapture<'_, S> {
             return Err(Error::invalid("the deep picture", "the frame's layers do not have its size"));
         }
         // 2. Each pixel's samples, by depth; what ties is told apart as on the device.
-        let view_from_clip = view.clip_from_view.inverse();
-        let distance = |depth: f32| {
-            let p = view_from_clip * Vec4::new(0.0, 0.0, depth, 1.0);
-            -p.z / p.w
-        };
+        let [a, b, c, e] = view.distance_row();
+        let distance = |depth: f32| (a * depth + b) / (c * depth + e);
         let metadata = self.metadata(frame, executed, &[], &[])?;
         let mut picture = DeepPicture { size: view.size, metadata, ..DeepPicture::default() };
         picture.counts.reserve(pixels);

@@ -163,6 +163,19 @@ impl View {
         self.clip_from_view * self.view_from_world
     }
 
+    /// How the distance along the view axis follows from a depth d of the depth buffer: (a d + b) / (c d + e), metres.
+    pub fn distance_row(&self) -> [f32; 4] {
+        let inverse = self.clip_from_view.inverse();
+        // The view looks along -z.
+        [-inverse.z_axis.z, -inverse.w_axis.z, inverse.z_axis.w, inverse.w_axis.w]
+    }
+
+    /// Distance along the view axis of a depth, metres.
+    pub fn distance(&self, depth: f32) -> f32 {
+        let [a, b, c, e] = self.distance_row();
+        (a * depth + b) / (c * depth + e)
+    }
+
     /// World-space position of the eye.
     pub fn eye(&self) -> Vec3 {
         self.world_from_view.w_axis.truncate()

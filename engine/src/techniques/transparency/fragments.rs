@@ -1,13 +1,12 @@
 //! Where fragments come from.
 
 use ash::vk;
-use glam::Vec3;
 
 use super::forward::ForwardLights;
 use crate::Result;
 use crate::geometry::Aabb;
 use crate::gpu::{Feature, blend};
-use crate::graph::{Graph, ImageHandle, ImageShape, Load, RasterPass, Recorder};
+use crate::graph::{Graph, ImageHandle, ImageShape, Load, Name, RasterPass, Recorder};
 use crate::scene::{DrawClass, Faces, GpuScene, POSITIONS, SHADED, View, ViewSet, depth};
 use crate::shader::generated::transparency::{self as shaders, count_frag, count_vert};
 use crate::shader::{Program, Shader};
@@ -106,6 +105,23 @@ impl Step {
     }
 }
 
+/// A pass over the fragments before the opaque depth, to which the technique adds its own slots and
+/// [`Fragments::draw`]. `change`: what the step's programs have besides.
+pub(super) fn fragment_pass<'g, 'f>(
+    graph: &'g mut Graph<'f>,
+    name: impl Into<Name>,
+    depth: &ImageHandle,
+    (fragments, step): (&dyn Fragments<'f>, Step),
+    change: impl Fn(Program) -> Program,
+) -> RasterPass<'g, 'f> {
+    let programs = fragments.programs(step).into_iter();
+    let programs = programs.map(|program| change(program.depth(depth::CLOSER, false)));
+    let mut pass = graph.raster(name, programs.collect());
+    fragments.bind(&mut pass, step);
+    pass.depth_test(depth);
+    pass
+}
+
 /// Fragments before the opaque depth, of each pixel, by blending: R32 float.
 pub(super) fn count<'f>(
     graph: &mut Graph<'f>,
@@ -115,11 +131,7 @@ pub(super) fn count<'f>(
 ) -> ImageHandle {
     let name = format!("{name}.count");
     let count = graph.image(name.clone(), ImageShape::new_2d(vk::Format::R32_SFLOAT, depth.size()));
-    let programs = fragments.programs(Step::Count).into_iter();
-    let programs = programs.map(|program| program.depth(depth::CLOSER, false).blend(blend::add()));
-    let mut pass = graph.raster(name, programs.collect());
-    fragments.bind(&mut pass, Step::Count);
-    pass.depth_test(depth);
+    let mut pass = fragment_pass(graph, name, depth, (fragments, Step::Count), |program| program.blend(blend::add()));
     let count = pass.color(count_frag::COUNT, count, Load::Clear([0.0; 4]));
     pass.draw(fragments.draw(Step::Count));
     count
@@ -191,8 +203,7 @@ impl<'f> Fragments<'f> for Blended<'_, 'f> {
         let distances = bounds.corners().map(|corner| -self.view.view_from_world.transform_point3(corner).z);
         let ends = distances.iter().fold([f32::INFINITY, 0.0], |[near, far], d| [d.min(near), d.max(far)]);
         // What is nearer than the near plane is not seen.
-        let inverse = self.view.clip_from_view.inverse();
-        let near_plane = -inverse.project_point3(Vec3::Z).z;
+        let near_plane = self.view.distance(1.0);
         [ends[0].max(near_plane), ends[1].max(near_plane)]
     }
 

@@ -2,10 +2,10 @@
 
 use ash::vk;
 
-use super::fragments::{Fragments, Step};
+use super::fragments::{Fragments, Step, fragment_pass};
 use crate::gpu::blend;
 use crate::graph::{Graph, ImageHandle, ImageShape, Load, RasterPass};
-use crate::scene::{View, depth};
+use crate::scene::View;
 use crate::shader::Program;
 use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::average_over_comp;
@@ -33,13 +33,9 @@ impl Sums {
             |what: &str, format| graph.image(format!("{name}.{what}"), ImageShape::new_2d(format, depth.size()));
         let colors = image("sums", vk::Format::R32G32B32A32_SFLOAT);
         let weights = image("weights", vk::Format::R32_SFLOAT);
-        let programs = fragments.programs(step).into_iter();
-        let programs =
-            programs.map(|program| specialize(program.depth(depth::CLOSER, false).blend(blend::add_and_hide())));
-        let mut pass = graph.raster(format!("{name}.sums"), programs.collect());
-        fragments.bind(&mut pass, step);
+        let blended = |program: Program| specialize(program.blend(blend::add_and_hide()));
+        let mut pass = fragment_pass(graph, format!("{name}.sums"), depth, (fragments, step), blended);
         let made = bind(&mut pass);
-        pass.depth_test(depth);
         let colors = pass.color(weigh_frag::SUMS, colors, Load::Clear([0.0, 0.0, 0.0, 1.0]));
         let weights = pass.color(weigh_frag::WEIGHTS, weights, Load::Clear([0.0; 4]));
         pass.draw(fragments.draw(step));
@@ -59,7 +55,5 @@ impl Sums {
 
 /// Distance from depth: `distance.glsl`.
 pub(super) fn layer_distances(view: &View) -> blocks::LayerDistances {
-    let inverse = view.clip_from_view.inverse();
-    // The view looks along -z.
-    blocks::LayerDistances { row: [-inverse.z_axis.z, -inverse.w_axis.z, inverse.z_axis.w, inverse.w_axis.w] }
+    blocks::LayerDistances { row: view.distance_row() }
 }

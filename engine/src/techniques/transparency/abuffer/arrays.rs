@@ -6,10 +6,10 @@ use super::resolve::Resolved;
 use super::scan::{chunks_of, scan, work};
 use super::{ABuffer, Built, Composited};
 use crate::graph::{Graph, ImageHandle};
-use crate::scene::{View, depth};
+use crate::scene::View;
 use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::abuffer::{array_frag, check_comp, scan_offsets_comp};
-use crate::techniques::transparency::fragments::{Fragments, Step, count};
+use crate::techniques::transparency::fragments::{Fragments, Step, count, fragment_pass};
 
 const NAME: &str = "abuffer";
 
@@ -54,11 +54,9 @@ impl ABuffer {
             });
             (nodes, frame)
         };
-        let programs = fragments.programs(Step::Arrays).into_iter();
-        let programs = programs.map(|program| self.specialized(program.depth(depth::CLOSER, false)));
-        let mut pass = graph.raster("abuffer.fill", programs.collect());
-        fragments.bind(&mut pass, Step::Arrays);
-        pass.uniform_data(array_frag::ABUFFER, frame).depth_test(depth);
+        let specialize = |program| self.specialized(program);
+        let mut pass = fragment_pass(graph, "abuffer.fill", depth, (fragments, Step::Arrays), specialize);
+        pass.uniform_data(array_frag::ABUFFER, frame);
         let nodes = pass.write(array_frag::NODES, nodes);
         let cursors = pass.write(array_frag::CURSORS, cursors);
         pass.draw(fragments.draw(Step::Arrays));

@@ -6,10 +6,10 @@ use super::resolve::Resolved;
 use super::scan::{chunks_of, scan, work};
 use super::{ABuffer, Built, Composited, Sizing};
 use crate::graph::{BufferHandle, Checkpoint, Data, Graph, ImageHandle, ImageShape};
-use crate::scene::{View, depth};
+use crate::scene::View;
 use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::abuffer::{list_counts_comp, list_frag, list_offsets_comp};
-use crate::techniques::transparency::fragments::{Fragments, Step};
+use crate::techniques::transparency::fragments::{Fragments, Step, fragment_pass};
 
 const NODES: vk::Format = vk::Format::R32G32B32A32_UINT;
 
@@ -36,7 +36,7 @@ impl ABuffer {
         let count = graph.image("abuffer.count", ImageShape::new_2d(vk::Format::R32_SFLOAT, size));
         let count = graph.clear("abuffer.count.begin", count, vk::ClearColorValue::default());
         let onto = Resolved::new(graph, color);
-        match sizing {
+        let (resolved, count, totals, counter) = match sizing {
             Sizing::Counted => {
                 // 1. How many fragments there are, then lists of as many nodes.
                 samples(graph, depth, fragments);
@@ -49,16 +49,7 @@ impl ABuffer {
 
                 // 2. Sort and composite.
                 let (built, count) = self.listed(graph, "abuffer", lists, count, frame);
-                let Resolved { color, report, front } = self.resolve(graph, view, &built, onto);
-                Composited {
-                    color,
-                    count,
-                    front,
-                    nodes: None,
-                    report,
-                    totals: built.scanned.told,
-                    counter: Some(counter),
-                }
+                (self.resolve(graph, view, &built, onto), count, built.scanned.told, counter)
             }
             Sizing::Guessed(capacity) => {
                 // 1. Lists of so many nodes; the counter counts all fragments.
@@ -84,18 +75,11 @@ impl ABuffer {
                 let (built, count) = self.listed(graph, "abuffer", lists, count, enough);
                 let onto = self.resolve(graph, view, &built, onto);
                 let (built, count) = self.listed(graph, "abuffer.redone", redone, count, frame);
-                let Resolved { color, report, front } = self.resolve(graph, view, &built, onto);
-                Composited {
-                    color,
-                    count,
-                    front,
-                    nodes: None,
-                    report,
-                    totals: built.scanned.told,
-                    counter: Some(counter),
-                }
+                (self.resolve(graph, view, &built, onto), count, built.scanned.told, counter)
             }
-        }
+        };
+        let Resolved { color, report, front } = resolved;
+        Composited { color, count, front, nodes: None, report, totals, counter: Some(counter) }
     }
 
     /// Builds lists where `wanted` says so when the frame gets there.
@@ -115,11 +99,9 @@ impl ABuffer {
         let heads = graph.clear(format!("{name}.heads.begin"), heads, no_node);
         let counter = graph.buffer(format!("{name}.counter"), 4);
         let counter = graph.fill(format!("{name}.counter.begin"), counter, 0);
-        let programs = fragments.programs(Step::Lists).into_iter();
-        let programs = programs.map(|program| self.specialized(program.depth(depth::CLOSER, false)));
-        let mut pass = graph.raster(format!("{name}.link"), programs.collect());
-        fragments.bind(&mut pass, Step::Lists);
-        pass.uniform_data(list_frag::ABUFFER, frame).depth_test(depth);
+        let specialize = |program| self.specialized(program);
+        let mut pass = fragment_pass(graph, format!("{name}.link"), depth, (fragments, Step::Lists), specialize);
+        pass.uniform_data(list_frag::ABUFFER, frame);
         let nodes = pass.write(list_frag::NODES, nodes);
         let heads = pass.write(list_frag::HEADS, heads);
         let counter = pass.write(list_frag::COUNTER, counter);
@@ -165,10 +147,7 @@ impl ABuffer {
 
 /// Counts all fragments by a precise occlusion query.
 fn samples<'f>(graph: &mut Graph<'f>, depth: &ImageHandle, fragments: &dyn Fragments<'f>) {
-    let programs = fragments.programs(Step::Samples).into_iter();
-    let programs = programs.map(|program| program.depth(depth::CLOSER, false));
-    let mut pass = graph.raster("abuffer.samples", programs.collect());
-    fragments.bind(&mut pass, Step::Samples);
-    pass.depth_test(depth).count_samples();
+    let mut pass = fragment_pass(graph, "abuffer.samples", depth, (fragments, Step::Samples), |program| program);
+    pass.count_samples();
     pass.draw(fragments.draw(Step::Samples));
 }

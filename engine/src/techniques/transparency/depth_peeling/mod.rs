@@ -5,10 +5,10 @@
 //! in front, so that no layer is lost (`peeling.glsl`).
 
 use super::OrderIndependent;
-use super::fragments::{Fragments, Step};
+use super::fragments::{Fragments, Step, fragment_pass};
 use super::peeling::{Peeled, Rounds};
 use crate::graph::{Graph, ImageHandle};
-use crate::scene::{View, depth};
+use crate::scene::View;
 use crate::shader::generated::transparency::depth_peeling::{advance_comp, peel_frag};
 
 const NAME: &str = "depth_peeling";
@@ -40,11 +40,8 @@ impl OrderIndependent for DepthPeeling {
         let Peeled { mut state, mut found, mut front } = Peeled::nothing(graph, NAME, depth.size(), 1);
         for round in rounds.all() {
             // 2. Each pixel's layer of this round is put behind those before, and the next is found.
-            let programs = fragments.programs(Step::Peel).into_iter();
-            let programs = programs.map(|program| program.depth(depth::CLOSER, false));
-            let mut pass = graph.raster(format!("{NAME}.peel.{round}"), programs.collect());
-            fragments.bind(&mut pass, Step::Peel);
-            pass.depth_test(depth);
+            let name = format!("{NAME}.peel.{round}");
+            let mut pass = fragment_pass(graph, name, depth, (fragments, Step::Peel), |program| program);
             state = pass.write(peel_frag::PEELED, state);
             found = pass.write(peel_frag::FOUND, found);
             front = pass.write(peel_frag::FRONT, front);

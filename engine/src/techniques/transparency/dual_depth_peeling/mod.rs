@@ -5,10 +5,10 @@
 //! are told apart by the triangles' numbers, so that no layer is lost (`peeling.glsl`).
 
 use super::OrderIndependent;
-use super::fragments::{Fragments, Step};
+use super::fragments::{Fragments, Step, fragment_pass};
 use super::peeling::{Peeled, Rounds};
 use crate::graph::{Graph, ImageHandle};
-use crate::scene::{View, depth};
+use crate::scene::View;
 use crate::shader::generated::transparency::dual_depth_peeling::{advance_comp, peel_frag};
 
 const NAME: &str = "dual_depth_peeling";
@@ -40,11 +40,8 @@ impl OrderIndependent for DualDepthPeeling {
         let Peeled { mut state, mut found, mut front } = Peeled::nothing(graph, NAME, depth.size(), 2);
         for round in rounds.all() {
             // 2. The nearest layer is put behind those before it, the farthest over what is opaque; the next are found.
-            let programs = fragments.programs(Step::PeelBothEnds).into_iter();
-            let programs = programs.map(|program| program.depth(depth::CLOSER, false));
-            let mut pass = graph.raster(format!("{NAME}.peel.{round}"), programs.collect());
-            fragments.bind(&mut pass, Step::PeelBothEnds);
-            pass.depth_test(depth);
+            let name = format!("{NAME}.peel.{round}");
+            let mut pass = fragment_pass(graph, name, depth, (fragments, Step::PeelBothEnds), |program| program);
             state = pass.write(peel_frag::PEELED, state);
             found = pass.write(peel_frag::FOUND, found);
             front = pass.write(peel_frag::FRONT, front);

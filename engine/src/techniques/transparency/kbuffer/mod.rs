@@ -7,10 +7,10 @@
 use ash::vk;
 
 use super::OrderIndependent;
-use super::fragments::{Fragments, Step};
+use super::fragments::{Fragments, Step, fragment_pass};
 use super::sums::Sums;
 use crate::graph::{Graph, ImageHandle, ImageShape};
-use crate::scene::{View, depth};
+use crate::scene::View;
 use crate::shader::Program;
 use crate::shader::generated::transparency::kbuffer::{
     keep_colors_frag, keep_depths_frag, keep_tags_frag, resolve_comp,
@@ -48,23 +48,16 @@ impl OrderIndependent for KBuffer {
         let depths = empty("depths", vk::Format::R32_UINT);
         let tags = empty("tags", vk::Format::R32_UINT);
         let colors = empty("colors", vk::Format::R32G32B32A32_SFLOAT);
-        let programs = |step| -> Vec<Program> {
-            let programs = fragments.programs(step).into_iter();
-            let tested = programs.map(|program| program.depth(depth::CLOSER, false));
-            tested.map(|program| program.constant(keep_depths_frag::KEPT, kept)).collect()
-        };
+        let specialize = |program: Program| program.constant(keep_depths_frag::KEPT, kept);
 
         // 1. The nearest depths.
-        let mut pass = graph.raster("kbuffer.depths", programs(Step::KeepDepths));
-        fragments.bind(&mut pass, Step::KeepDepths);
-        pass.depth_test(depth);
+        let mut pass = fragment_pass(graph, "kbuffer.depths", depth, (fragments, Step::KeepDepths), specialize);
         let depths = pass.write(keep_depths_frag::KEPT_DEPTHS, depths);
         pass.draw(fragments.draw(Step::KeepDepths));
 
         // 2. Whose they are, where several have one depth.
-        let mut pass = graph.raster("kbuffer.tags", programs(Step::KeepTags));
-        fragments.bind(&mut pass, Step::KeepTags);
-        pass.depth_test(depth).read(keep_tags_frag::KEPT_DEPTHS, &depths);
+        let mut pass = fragment_pass(graph, "kbuffer.tags", depth, (fragments, Step::KeepTags), specialize);
+        pass.read(keep_tags_frag::KEPT_DEPTHS, &depths);
         let tags = pass.write(keep_tags_frag::KEPT_TAGS, tags);
         pass.draw(fragments.draw(Step::KeepTags));
 

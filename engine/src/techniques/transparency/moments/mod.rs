@@ -7,11 +7,12 @@
 use ash::vk;
 
 use super::OrderIndependent;
-use super::fragments::{Fragments, Step};
+use super::fragments::{Fragments, Step, fragment_pass};
 use super::sums::{Sums, layer_distances};
 use crate::gpu::blend;
 use crate::graph::{Graph, ImageHandle, ImageShape, Load};
-use crate::scene::{View, depth};
+use crate::scene::View;
+use crate::shader::Program;
 use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::moments::{add_colors_frag, add_moments_frag};
 
@@ -34,12 +35,9 @@ impl OrderIndependent for Moments {
         // 1. Absorbance and its moments over depth.
         let moments = graph.image("moments.moments", ImageShape::new_2d(vk::Format::R32G32B32A32_SFLOAT, size));
         let absorbance = graph.image("moments.absorbance", ImageShape::new_2d(vk::Format::R32_SFLOAT, size));
-        let programs = fragments.programs(Step::AddMoments).into_iter();
-        let programs = programs.map(|program| program.depth(depth::CLOSER, false).blend(blend::add()));
-        let mut pass = graph.raster("moments.moments", programs.collect());
-        fragments.bind(&mut pass, Step::AddMoments);
+        let add = |program: Program| program.blend(blend::add());
+        let mut pass = fragment_pass(graph, "moments.moments", depth, (fragments, Step::AddMoments), add);
         pass.uniform(add_moments_frag::DISTANCES, &distances).uniform(add_moments_frag::MOMENT_RANGE, &range);
-        pass.depth_test(depth);
         let moments = pass.color(add_moments_frag::MOMENTS, moments, Load::Clear([0.0; 4]));
         let absorbance = pass.color(add_moments_frag::ABSORBANCE, absorbance, Load::Clear([0.0; 4]));
         pass.draw(fragments.draw(Step::AddMoments));

@@ -7,10 +7,10 @@
 use ash::vk;
 
 use super::OrderIndependent;
-use super::fragments::{Fragments, Step};
+use super::fragments::{Fragments, Step, fragment_pass};
 use super::sums::Sums;
 use crate::graph::{Graph, ImageHandle, ImageShape};
-use crate::scene::{View, depth};
+use crate::scene::View;
 use crate::shader::Program;
 use crate::shader::generated::transparency::stochastic::{add_colors_frag, sample_depths_frag};
 
@@ -43,12 +43,8 @@ impl OrderIndependent for Stochastic {
         let shape = ImageShape::new_2d(vk::Format::R32_UINT, depth.size()).layers(samples);
         let depths = graph.image("stochastic.depths", shape);
         let depths = graph.clear("stochastic.depths.begin", depths, vk::ClearColorValue::default());
-        let programs = fragments.programs(Step::SampleDepths).into_iter();
-        let programs = programs.map(|program| program.depth(depth::CLOSER, false));
-        let programs = programs.map(|program| program.constant(sample_depths_frag::SAMPLES, samples));
-        let mut pass = graph.raster("stochastic.samples", programs.collect());
-        fragments.bind(&mut pass, Step::SampleDepths);
-        pass.depth_test(depth);
+        let specialize = |program: Program| program.constant(sample_depths_frag::SAMPLES, samples);
+        let mut pass = fragment_pass(graph, "stochastic.samples", depth, (fragments, Step::SampleDepths), specialize);
         let depths = pass.write(sample_depths_frag::SAMPLE_DEPTHS, depths);
         pass.draw(fragments.draw(Step::SampleDepths));
 
