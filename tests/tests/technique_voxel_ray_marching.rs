@@ -178,7 +178,7 @@ fn exactly(gpu: &Gpu) -> Figure {
             let segments = segments(grid, 40_000);
             let marched = march(gpu, scene, grid, &segments, |graph, scene| match index {
                 0 => Bitmask { axis, ..Bitmask::default() }.record(graph, scene, grid),
-                _ => Conservative { axis }.record(graph, scene, grid),
+                _ => Conservative { axis, ..Conservative::default() }.record(graph, scene, grid),
             });
             let expected = walked(&marched.voxels, &segments);
             let blocked = expected.iter().sum::<u32>() as usize;
@@ -373,8 +373,9 @@ fn voxels_of_the_ends_do_not_block() {
     let segments: Vec<Ends> = cases.iter().map(|case| case.0).collect();
     let expected: Vec<u32> = cases.iter().map(|case| case.1).collect();
     for axis in [Axis::X, Axis::Y, Axis::Z] {
-        let marched =
-            march(gpu, &scene, &grid, &segments, |graph, scene| Conservative { axis }.record(graph, scene, &grid));
+        let marched = march(gpu, &scene, &grid, &segments, |graph, scene| {
+            Conservative { axis, ..Conservative::default() }.record(graph, scene, &grid)
+        });
         assert_eq!(marched.voxels.count(), 6);
         assert!(marched.blocked.iter().all(|found| found == &expected), "{axis:?}: {:?}", marched.blocked);
     }

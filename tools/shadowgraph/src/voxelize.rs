@@ -146,7 +146,7 @@ fn voxelize(arguments: &VoxelizeArguments, gpu: &Gpu, scene: &GpuScene) -> Resul
         VoxelMethod::Bitmask => Bitmask { axis, ..Bitmask::default() }.record(graph, scene, &grid),
         VoxelMethod::Stencil => Stencil { axis, rule, ..Stencil::default() }.record(graph, scene, &grid),
         VoxelMethod::Winding => Winding { axis, rule }.record(graph, scene, &grid),
-        VoxelMethod::Conservative => Conservative { axis }.record(graph, scene, &grid),
+        VoxelMethod::Conservative => Conservative { axis, ..Conservative::default() }.record(graph, scene, &grid),
         VoxelMethod::SixSeparating => SixSeparating { axis }.record(graph, scene, &grid),
     })?;
     Ok((voxels, began.elapsed().as_secs_f64(), bytes))

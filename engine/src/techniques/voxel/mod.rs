@@ -4,6 +4,7 @@
 pub mod bitmask;
 mod columns;
 pub mod conservative;
+mod cover;
 mod grid;
 pub mod ray_marching;
 pub mod six_separating;

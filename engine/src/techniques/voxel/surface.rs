@@ -25,18 +25,13 @@ pub(super) fn record<'f>(
     let bits = graph.fill("voxel.clear", bits, 0);
 
     // 1. All triangles are numbered, instance by instance.
-    let mut starts = vec![0_u32];
-    for draw in scene.draws.draws() {
-        for _ in draw.instances.clone() {
-            starts.push(starts[starts.len() - 1] + draw.indices.len() as u32 / 3);
-        }
-    }
-    let (instance_count, triangle_count) = (starts.len() as u32 - 1, starts[starts.len() - 1]);
+    let starts = triangle_starts(scene);
+    let touch = touch(scene, &grid, &starts);
+    let triangle_count = touch.triangle_count;
     if triangle_count == 0 {
         return Ok(VoxelBits { bits, grid, axis });
     }
     let starts = graph.data(&starts);
-    let touch = blocks::Touch { instance_count, triangle_count, reach: 0.5 + margin(&grid, &scene.bounds) };
 
     let bind = |pass: &mut ComputePass| {
         pass.uniform(small_comp::VOXEL_GRID, &grid.block(axis))
@@ -65,6 +60,23 @@ pub(super) fn record<'f>(
     let bits = pass.write(large_comp::BITS, bits);
     pass.dispatch_indirect(&groups, 0);
     Ok(VoxelBits { bits, grid, axis })
+}
+
+/// By instance how many triangles come before; then the number of all.
+pub(super) fn triangle_starts(scene: &GpuScene) -> Vec<u32> {
+    let mut starts = vec![0_u32];
+    for draw in scene.draws.draws() {
+        for _ in draw.instances.clone() {
+            starts.push(starts[starts.len() - 1] + draw.indices.len() as u32 / 3);
+        }
+    }
+    starts
+}
+
+/// The uniform block `Touch`.
+pub(super) fn touch(scene: &GpuScene, grid: &Grid, starts: &[u32]) -> blocks::Touch {
+    let (instance_count, triangle_count) = (starts.len() as u32 - 1, starts[starts.len() - 1]);
+    blocks::Touch { instance_count, triangle_count, reach: 0.5 + margin(grid, &scene.bounds) }
 }
 
 /// ε in voxels: what rounding of coordinates may take away, four units in the last place of the largest one.

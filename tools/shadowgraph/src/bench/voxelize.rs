@@ -9,7 +9,7 @@ use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::{GpuScene, Material, Mesh, Object, Primitive, Scene};
 use shadowgraph::techniques::voxel::bitmask::{Bitmask, Combine};
-use shadowgraph::techniques::voxel::conservative::Conservative;
+use shadowgraph::techniques::voxel::conservative::{Conservative, Pipeline};
 use shadowgraph::techniques::voxel::stencil::Stencil;
 use shadowgraph::techniques::voxel::winding::Winding;
 use shadowgraph::techniques::voxel::{Grid, VoxelBits};
@@ -29,19 +29,20 @@ enum Method {
     Solid(Combine),
     Stencil,
     Winding,
-    Conservative,
+    Conservative(Pipeline),
 }
 
 /// Most slices times triangles that are drawn one slice after the other.
 const MOST_SLICED: usize = 20_000_000;
 
-const METHODS: [(&str, Method); 6] = [
+const METHODS: [(&str, Method); 7] = [
     ("bitmask", Method::Solid(Combine::Bit)),
     ("bitmask, masks", Method::Solid(Combine::Masks)),
     ("bitmask, logic", Method::Solid(Combine::LogicOp)),
     ("winding", Method::Winding),
     ("stencil", Method::Stencil),
-    ("conservative", Method::Conservative),
+    ("conservative", Method::Conservative(Pipeline::Compute)),
+    ("conservative, raster", Method::Conservative(Pipeline::Raster)),
 ];
 
 impl Method {
@@ -50,7 +51,9 @@ impl Method {
             Self::Solid(combine) => Bitmask { combine, ..Bitmask::default() }.record(graph, scene, grid),
             Self::Stencil => Stencil::default().record(graph, scene, grid),
             Self::Winding => Winding::default().record(graph, scene, grid),
-            Self::Conservative => Conservative::default().record(graph, scene, grid),
+            Self::Conservative(pipeline) => {
+                Conservative { pipeline, ..Conservative::default() }.record(graph, scene, grid)
+            }
         }
     }
 }
