@@ -13,7 +13,8 @@ use shadowgraph::techniques::transparency::forward::ForwardLights;
 use shadowgraph::techniques::transparency::fragments::Blended;
 
 use crate::compare::Comparison;
-use crate::figures::Check;
+use crate::device::shared;
+use crate::figures::{Check, Picture};
 use crate::tiny;
 use crate::twin::layers::{self, Fragment, GRID, close_call, composite};
 
@@ -124,6 +125,11 @@ impl Soup {
         random.shuffle(&mut all);
         let name = format!("soup of {triangles} triangles and {wide} rectangles");
         Self { name, size, triangles: all, per_object: 1 }
+    }
+
+    /// Triangles for pictures.
+    pub fn shown() -> Self {
+        Self::random(31, [512, 256], 24, 0)
     }
 
     /// Planes that cut through each other, in both directions.
@@ -320,6 +326,14 @@ impl<'g> Kitchen<'g> {
         self.scene.draws = DrawList::new(draws, Vec::new());
     }
 
+    /// Draws in any order, the opaque ones first.
+    pub fn shuffle(&mut self, random: &mut Random) {
+        self.reorder(|draws| {
+            random.shuffle(draws);
+            draws.sort_by_key(|draw| draw.class);
+        });
+    }
+
     /// Runs the A-buffer over it.
     pub fn run(&mut self, abuffer: ABuffer, pull_vertices: bool) -> shadowgraph::Result<Found> {
         let mut graph = Graph::new("soup", self.gpu.caps());
@@ -345,6 +359,15 @@ impl<'g> Kitchen<'g> {
             counter: counter.map(|counter| counter.values().map(|values| values[0])).transpose()?,
             samples: executed.samples("abuffer.samples").ok(),
         })
+    }
+
+    /// The picture that a technique makes beside another one, for the pages.
+    pub fn side_by_side(&mut self, how: &dyn OrderIndependent, other: &[[f32; 4]], caption: &str) -> Picture {
+        let found = self.composite(how, false).unwrap_or_else(|error| panic!("{error}"));
+        let [width, height] = self.view.size.map(|side| side as usize);
+        let row = |y: usize| found[y * width..][..width].iter().chain(&other[y * width..][..width]);
+        let pixels = (0..height).flat_map(row).map(|&[r, g, b, _]| [r, g, b]).collect();
+        Picture { size: [2 * width as u32, height as u32], pixels, exposure: 0.9, caption: caption.into() }
     }
 
     /// Runs any technique over it: the picture.
@@ -376,6 +399,13 @@ fn record<'f, T>(
     let mut blended = Blended::new(graph, scene, view, &lights);
     blended.pull_vertices |= pull_vertices;
     composite(graph, &depth, &blended, color)
+}
+
+/// For the pages: what a technique makes of triangles, and beside it the exact picture.
+pub fn beside_exact(how: &dyn OrderIndependent, caption: &str) -> Picture {
+    let mut kitchen = Kitchen::new(shared(), &Soup::shown());
+    let exact = kitchen.composite(&ABuffer::default(), false).unwrap_or_else(|error| panic!("{error}"));
+    kitchen.side_by_side(how, &exact, caption)
 }
 
 fn texels<T: bytemuck::Pod>(executed: &Executed, name: &str) -> shadowgraph::Result<Vec<T>> {

@@ -107,6 +107,11 @@ impl FrameSettings {
             layers: Selection::All,
         }
     }
+
+    /// How blended surfaces are composited: what is captured deep are the A-buffer's layers.
+    pub fn composited_by(&self) -> Transparency {
+        if self.deep { Transparency::ABuffer } else { self.transparency }
+    }
 }
 
 /// What a recorded frame will leave.
@@ -189,9 +194,8 @@ impl FrameSettings {
             return (color, None);
         }
         let blended = Blended::new(graph, scene, *view, lights);
-        // What is captured deep are the A-buffer's layers.
-        let transparency = if self.deep { &Transparency::ABuffer } else { &self.transparency };
-        let technique: &dyn OrderIndependent = match transparency {
+        let transparency = self.composited_by();
+        let technique: &dyn OrderIndependent = match &transparency {
             Transparency::Sorted => return (Sorted.record(graph, scene, view, depth, lights, color), None),
             Transparency::ABuffer => {
                 let (color, layers) = self.abuffer(graph, &blended, depth, color);

@@ -63,16 +63,16 @@ pub fn load(arguments: &FrameArguments) -> Result<Scene> {
 }
 
 /// Settings of a frame as the arguments have them.
-pub fn frame_settings(arguments: &FrameArguments, scene: &Scene, camera: &Camera) -> FrameSettings {
+pub fn frame_settings(arguments: &FrameArguments, scene: &Scene, camera: &Camera) -> Result<FrameSettings> {
     let environment = arguments.environment.unwrap_or_else(|| view::sky(scene));
-    FrameSettings {
+    Ok(FrameSettings {
         precision: if arguments.float { Precision::Float } else { Precision::Compact },
         environment: glam::Vec3::splat(environment),
         layers: arguments.layers.clone(),
-        transparency: arguments.transparency.into(),
+        transparency: arguments.transparency()?,
         layer_memory: arguments.layer_memory.map_or(u64::MAX, |mebibytes| mebibytes << 20),
         ..FrameSettings::new(camera.view(arguments.size.0))
-    }
+    })
 }
 
 /// Records a frame. An unknown layer is bad usage, and the known ones are listed.
@@ -134,6 +134,9 @@ pub struct Recipe {
     environment: f32,
     float: bool,
     transparency: &'static str,
+    /// What it was set to, where it can be: layers kept, samples, number of the weight's equation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    transparency_setting: Option<u32>,
 }
 
 impl Recipe {
@@ -145,7 +148,9 @@ impl Recipe {
             sun: arguments.sun.map(|sun| sun.direction.extend(sun.illuminance).to_array()),
             environment: settings.environment.x,
             float: arguments.float,
-            transparency: settings.transparency.name(),
+            transparency: settings.composited_by().name(),
+            transparency_setting: (arguments.kept.or(arguments.samples).or(arguments.weight))
+                .filter(|_| settings.composited_by() == settings.transparency),
         }
     }
 }
