@@ -2,17 +2,20 @@
 //! leave.
 
 mod layers;
+mod voxels;
 
 use ash::vk;
 use glam::Vec3;
 
 pub use layers::{ABUFFER_REPORT, Deep, Layer, Samples, Selection, Source};
+pub use voxels::VoxelVisibility;
 
 use crate::graph::{BufferHandle, Graph, ImageHandle, ImageShape};
 use crate::scene::{DrawClass, GpuScene, Light, LightKind, LightShadow, MAX_LIGHTS, View, light_block};
 use crate::shader::generated::blocks;
 use crate::techniques::shading::lighting::{Lighting, LightingInput};
 use crate::techniques::shadow::cascaded::{Cascaded, CascadedShadow};
+use crate::techniques::shadow::marched;
 use crate::techniques::shadow::spot::{MAX_SPOTS, Spot, SpotShadows};
 use crate::techniques::shadow::{Receivers, map_sampler};
 use crate::techniques::surface::depth::DepthPrepass;
@@ -29,6 +32,7 @@ use crate::techniques::transparency::moments::Moments;
 use crate::techniques::transparency::sorted::Sorted;
 use crate::techniques::transparency::stochastic::Stochastic;
 use crate::techniques::transparency::weighted::Weighted;
+use crate::techniques::voxel::Occluders;
 
 /// How blended surfaces are composited.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -77,6 +81,8 @@ pub struct FrameSettings {
     pub cascaded: Cascaded,
     /// Shadows of spot lights.
     pub spot: Spot,
+    /// Shadows of point lights, and ambient occlusion, by rays through voxels.
+    pub voxels: Option<VoxelVisibility>,
     /// Radiance that comes from everywhere, cd/m².
     pub environment: Vec3,
     /// How finely the G-buffer and the layers of the A-buffer are stored.
@@ -99,6 +105,7 @@ impl FrameSettings {
             view,
             cascaded: Cascaded::default(),
             spot: Spot::default(),
+            voxels: None,
             environment: Vec3::ZERO,
             precision: Precision::default(),
             transparency: Transparency::default(),
@@ -137,7 +144,11 @@ impl FrameSettings {
 
         // 2. Lights: maps and masks of those that cast shadows.
         let receivers = Receivers { view, depth: &surfaces.depth, ids: &surfaces.ids };
-        let shadows = self.shadows(graph, scene, &receivers);
+        let occluders = self.voxels.map(|voxels| voxels.occluders(graph, scene)).transpose();
+        let (occluders, why_not) = occluders.map_or_else(|error| (None, Some(error)), |occluders| (occluders, None));
+        let marched = self.voxels.zip(occluders.as_ref());
+        let mut shadows = self.shadows(graph, scene, &receivers, marched.map(|marched| (marched, &position)));
+        shadows.warnings.extend(why_not.map(|error| format!("there are no voxels: {error}")));
         let lights = light_block(&scene.lights, &shadows.of_lights);
 
         // 3. Camera: shading of the opaque surfaces, then blended ones over them.
@@ -173,6 +184,10 @@ impl FrameSettings {
         // 4. Captures.
         captured.frame(graph, &color, &lit.direct, &position, &surfaces);
         captured.shadows(graph, scene, &shadows);
+        if let Some((VoxelVisibility { occlusion, .. }, occluders)) = marched {
+            let open = occlusion.record(graph, occluders, &position, &surfaces.ids);
+            captured.occlusion(graph, &open);
+        }
         if let Some(layers) = &layers {
             captured.abuffer(graph, layers);
         }
@@ -234,24 +249,39 @@ impl FrameSettings {
         (color, TransparentLayers { made_by: abuffer, count, front, report })
     }
 
-    /// Shadow maps of the first directional light and of the spots, and one image with a mask a layer.
-    fn shadows<'f>(&self, graph: &mut Graph<'f>, scene: &'f GpuScene, receivers: &Receivers) -> Shadows {
+    /// Shadow maps of the first directional light and of the spots, rays to point lights where there are voxels (with
+    /// positions of pixels), and one image with a mask a layer.
+    fn shadows<'f>(
+        &self,
+        graph: &mut Graph<'f>,
+        scene: &'f GpuScene,
+        receivers: &Receivers,
+        marched: Option<((VoxelVisibility, &Occluders), &ImageHandle)>,
+    ) -> Shadows {
         let lights = &scene.lights;
         let sun = lights.iter().enumerate().find_map(|(i, light)| match light.kind {
             LightKind::Directional { direction, .. } => Some((i, direction)),
             LightKind::Point { .. } | LightKind::Spot { .. } => None,
         });
         let spots: Vec<usize> = (0..lights.len()).filter(|&i| Spot::serves(&lights[i])).take(MAX_SPOTS).collect();
-        let count = u32::from(sun.is_some()) + spots.len() as u32;
+        let is_point = |&i: &usize| marched.is_some() && matches!(lights[i].kind, LightKind::Point { .. });
+        let points: Vec<usize> = (0..lights.len()).filter(is_point).take(marched::MAX_LIGHTS).collect();
+        let blocks = [u32::from(sun.is_some()), spots.len() as u32, points.len() as u32];
+        let count = blocks.iter().sum();
 
-        // Masks: the sun's first, then the spots'.
+        // Masks: the sun's first, then the spots', then the points'.
         let mut shadows = Shadows::new(lights);
-        if let Some((sun, _)) = sun {
-            shadows.of_lights[sun] = Some(LightShadow { mask: 0, index: 0 });
+        let mut masks = 0..;
+        if let Some((sun, _)) = sun
+            && let Some(mask) = masks.next()
+        {
+            shadows.of_lights[sun] = Some(LightShadow { mask, index: Some(0) });
         }
-        for (index, &spot) in spots.iter().enumerate() {
-            let index = index as u32;
-            shadows.of_lights[spot] = Some(LightShadow { mask: u32::from(sun.is_some()) + index, index });
+        for ((index, &spot), mask) in (0..).zip(&spots).zip(&mut masks) {
+            shadows.of_lights[spot] = Some(LightShadow { mask, index: Some(index) });
+        }
+        for (&point, mask) in points.iter().zip(masks) {
+            shadows.of_lights[point] = Some(LightShadow { mask, index: None });
         }
         shadows.warn(lights);
         if count == 0 {
@@ -259,7 +289,6 @@ impl FrameSettings {
         }
         let shape = ImageShape::new_2d(vk::Format::R32_SFLOAT, self.view.size).layers(count);
         let masks = graph.image("shadow.masks", shape);
-        let blocks = [u32::from(sun.is_some()), spots.len() as u32];
         let blocks: Vec<u32> = blocks.into_iter().filter(|&layers| layers > 0).collect();
         let mut masks = graph.split_layer_blocks(masks, &blocks).into_iter();
         let mut written = Vec::with_capacity(blocks.len());
@@ -272,12 +301,19 @@ impl FrameSettings {
             shadows.sun = Some(SunShadow { index, map, parameters, taps });
         }
         let spot_lights: Vec<&Light> = spots.iter().map(|&i| &lights[i]).collect();
-        if let Some(masks) = masks.next()
+        if !spot_lights.is_empty()
+            && let Some(masks) = masks.next()
             && let Some(spots) = self.spot.record(graph, scene, receivers, &spot_lights, masks)
         {
             let SpotShadows { masks, maps, parameters, taps } = spots;
             written.push(masks);
             shadows.spots = Some(SpotMaps { maps, parameters, taps });
+        }
+        if let Some(((VoxelVisibility { shadows: technique, .. }, occluders), position)) = marched
+            && let Some(masks) = masks.next()
+        {
+            let lights: Vec<&Light> = points.iter().map(|&i| &lights[i]).collect();
+            written.push(technique.record(graph, occluders, [position, receivers.ids], &lights, masks));
         }
         shadows.masks = graph.join(written);
         shadows

@@ -20,6 +20,11 @@ pub static TECHNIQUES: &[Technique] = &[
         summary: "deferred shading by punctual lights and a constant environment",
     },
     Technique { family: "shadow", name: "cascaded", summary: "cascaded shadow maps of a directional light" },
+    Technique {
+        family: "shadow",
+        name: "marched",
+        summary: "shadows of any light by rays through voxels, without maps",
+    },
     Technique { family: "shadow", name: "spot", summary: "a shadow map for each spot light" },
     Technique { family: "surface", name: "depth", summary: "depth pre-pass" },
     Technique { family: "surface", name: "gbuffer", summary: "geometry and material of the first opaque surface" },
@@ -63,6 +68,11 @@ pub static TECHNIQUES: &[Technique] = &[
         family: "transparency",
         name: "weighted",
         summary: "blended materials, averaged with weights that fall with distance, in one pass",
+    },
+    Technique {
+        family: "voxel",
+        name: "ambient_occlusion",
+        summary: "how open the space around a surface is, by rays through voxels",
     },
     Technique { family: "voxel", name: "bitmask", summary: "solid voxelization by XOR of column bits, in one pass" },
     Technique { family: "voxel", name: "conservative", summary: "every voxel that a triangle touches" },

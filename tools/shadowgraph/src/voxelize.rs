@@ -147,7 +147,7 @@ fn voxelize(arguments: &VoxelizeArguments, gpu: &Gpu, scene: &GpuScene) -> Resul
         VoxelMethod::Stencil => Stencil { axis, rule, ..Stencil::default() }.record(graph, scene, &grid),
         VoxelMethod::Winding => Winding { axis, rule }.record(graph, scene, &grid),
         VoxelMethod::Conservative => Conservative { axis, ..Conservative::default() }.record(graph, scene, &grid),
-        VoxelMethod::SixSeparating => SixSeparating { axis }.record(graph, scene, &grid),
+        VoxelMethod::SixSeparating => SixSeparating { axis, ..SixSeparating::default() }.record(graph, scene, &grid),
     })?;
     Ok((voxels, began.elapsed().as_secs_f64(), bytes))
 }

@@ -2,6 +2,7 @@
 //! a screen mask, and has a GLSL function for points that are not on the screen's first surface.
 
 pub mod cascaded;
+pub mod marched;
 pub mod spot;
 
 use ash::vk;

@@ -11,7 +11,10 @@ pub(super) fn bind(pass: &mut RasterPass, scene: &GpuScene, grid: &Grid, axis: A
     let side = grid.size().into_iter().max().unwrap_or(1);
     pass.area([side; 2])
         .uniform(cover_vert::VOXEL_GRID, &grid.block(axis))
-        .uniform(cover_vert::TOUCH, &surface::touch(scene, grid, &surface::triangle_starts(scene)))
+        .uniform(
+            cover_vert::TOUCH,
+            &surface::touch(scene, grid, &surface::triangle_starts(scene, surface::Surfaces::All)),
+        )
         .constant(cover_vert::INSTANCES, &scene.instances)
         .constant(cover_vert::INDICES, &scene.indices)
         .constant(cover_vert::POSITIONS, &scene.positions);
