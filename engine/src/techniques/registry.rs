@@ -64,6 +64,11 @@ pub static TECHNIQUES: &[Technique] = &[
         name: "weighted",
         summary: "blended materials, averaged with weights that fall with distance, in one pass",
     },
+    Technique {
+        family: "voxel",
+        name: "attributes",
+        summary: "what surfaces are like in each voxel, averaged by area",
+    },
     Technique { family: "voxel", name: "bitmask", summary: "solid voxelization by XOR of column bits, in one pass" },
     Technique { family: "voxel", name: "conservative", summary: "every voxel that a triangle touches" },
     Technique { family: "voxel", name: "ray_marching", summary: "which points see which, through the bits of a grid" },

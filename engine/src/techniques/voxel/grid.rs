@@ -104,7 +104,7 @@ impl Grid {
     }
 
     /// Words of 32 voxels in all columns.
-    fn words(&self, axis: Axis) -> u64 {
+    pub(super) fn words(&self, axis: Axis) -> u64 {
         let [width, height, depth] = self.columns(axis).map(u64::from);
         width * height * depth.div_ceil(32)
     }
@@ -192,13 +192,24 @@ impl Voxels {
 
     /// Whether a voxel is set; nothing outside the grid is.
     pub fn get(&self, voxel: [u32; 3]) -> bool {
+        self.rank(voxel).is_some()
+    }
+
+    /// The word that holds a set voxel, and how many of its lower bits are set.
+    pub(super) fn rank(&self, voxel: [u32; 3]) -> Option<(usize, u32)> {
         let [i, j, k] = self.axis.order().map(|world| voxel[world]);
         let [width, height, depth] = self.grid.columns(self.axis);
         if i >= width || j >= height || k >= depth {
-            return false;
+            return None;
         }
         let index = (k as usize / 32 * height as usize + j as usize) * width as usize + i as usize;
-        self.words[index] >> (k % 32) & 1 == 1
+        let (word, bit) = (self.words[index], 1 << (k % 32));
+        (word & bit != 0).then(|| (index, (word & (bit - 1)).count_ones()))
+    }
+
+    /// How many words there are.
+    pub(super) fn words(&self) -> usize {
+        self.words.len()
     }
 
     /// How many voxels are set.

@@ -1,6 +1,7 @@
 //! Which points lie inside the scene's solids, and which on its surfaces? Every technique of this family turns triangles
 //! into the bits of one regular grid, by the conventions of [`Grid`].
 
+pub mod attributes;
 pub mod bitmask;
 mod columns;
 pub mod conservative;
