@@ -40,7 +40,7 @@ pub fn mistakes(voxels: &Voxels, must: &[bool], may: &[bool]) -> [usize; 3] {
 }
 
 /// What a rasteriser may do to a surface, in voxels: it snaps vertices to 1/256 of a pixel.
-const NEAR: f64 = 1.0 / 128.0;
+pub const NEAR: f64 = 1.0 / 128.0;
 
 /// Voxels that agree with what is inside, that differ where a triangle is at most 1/128 voxel away, and that differ
 /// elsewhere. `triangles` in grid coordinates, `inside` as `[z][y][x]`.

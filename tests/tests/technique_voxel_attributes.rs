@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use glam::{DVec3, Mat4, Vec3, Vec4};
+use shadowgraph::capture::{VoxelFormat, write_voxel_attributes};
 use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::{AlphaMode, Material, Scene};
@@ -51,11 +52,6 @@ fn attributes(executor: &mut Executor, gpu: &Gpu, scene: &Scene, grid: &Grid, ax
     find().unwrap_or_else(|error| panic!("{}: {error}", scene.name))
 }
 
-fn all(grid: &Grid) -> impl Iterator<Item = [u32; 3]> {
-    let [nx, ny, nz] = grid.size();
-    (0..nz).flat_map(move |z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])))
-}
-
 /// What a comparison found.
 #[derive(Default)]
 struct Found {
@@ -72,7 +68,7 @@ fn compare(found: &VoxelAttributes, truth: &Scene) -> Found {
     let mut truth = averages(&Truth::new(truth), grid);
     let greatest = truth.values().map(|average| average.emission.max_element()).fold(0.0, f64::max).max(1e-30);
     let mut result = Found::default();
-    for voxel in all(grid) {
+    for voxel in grid.voxels() {
         let average = truth.remove(&voxel).unwrap_or_default();
         let Some(own) = found.get(voxel) else {
             assert!(average.area <= average.doubt, "{voxel:?} is not set");
@@ -221,7 +217,7 @@ fn a_hundred_orders_give_the_same_bytes() {
             let [s, t, u] = a.emission.to_array();
             [r, g, b, a.opacity, x, y, z, a.area, s, t, u].map(f32::to_bits)
         };
-        all(&grid).filter_map(|voxel| found.get(voxel).map(of)).collect()
+        grid.voxels().filter_map(|voxel| found.get(voxel).map(of)).collect()
     };
     let first = bits(&attributes(executor, gpu, &scene, &grid, Axis::Z));
     assert!(first.len() > 3000, "{}", first.len());
@@ -256,7 +252,7 @@ fn parts_make_up_the_surface() {
         let around = Grid::around(&bounds(&scene), 60).unwrap();
         let grid = Grid::new(around.min() - 2.0 * around.edge(), around.edge(), [64, 70, 80]).unwrap();
         let found = attributes(executor, gpu, &scene, &grid, axis);
-        let sum: f64 = all(&grid).filter_map(|voxel| found.get(voxel)).map(|own| f64::from(own.area)).sum();
+        let sum: f64 = grid.voxels().filter_map(|voxel| found.get(voxel)).map(|own| f64::from(own.area)).sum();
         let sum = sum * f64::from(grid.edge()).powi(2);
         assert!((sum / area - 1.0).abs() < 1e-5, "{sum} of {area}");
     }
@@ -271,7 +267,7 @@ fn what_lies_on_a_plane_of_the_grid_is_on_both_sides() {
         one("quad", vec![(tiny::quad(Vec3::new(1.0, 1.0, 2.0), Vec3::X * 2.0, Vec3::Y * 2.0, 0), Mat4::IDENTITY)]);
     let grid = Grid::new(Vec3::ZERO, 1.0, [4; 3]).unwrap();
     let found = attributes(executor, gpu, &quad, &grid, Axis::Y);
-    for voxel in all(&grid) {
+    for voxel in grid.voxels() {
         let [x, y, z] = voxel.map(|i| i == 1 || i == 2);
         let own = found.get(voxel);
         assert_eq!(own.is_some(), z, "{voxel:?}");
@@ -308,7 +304,75 @@ fn nothing_has_no_attributes() {
     let beside = one("beside", vec![(tiny::quad(Vec3::splat(9.0), Vec3::X, Vec3::Y, 0), Mat4::IDENTITY)]);
     for scene in [tiny::empty(), beside] {
         let found = attributes(executor, gpu, &scene, &grid, Axis::Z);
-        assert!(all(&grid).all(|voxel| found.get(voxel).is_none()) && found.voxels().count() == 0);
+        assert!(grid.voxels().all(|voxel| found.get(voxel).is_none()) && found.voxels().count() == 0);
     }
+    silent(gpu);
+}
+
+/// A room of squares with a colour each, in a grid of 12³.
+fn squares() -> (Scene, Grid) {
+    let mut scene = one("squares", Vec::new());
+    scene.materials.clear();
+    for i in 0..4 {
+        let base_color = Vec4::new(0.2 * i as f32, 1.0 - 0.3 * i as f32, 0.1, 0.5);
+        scene.materials.push(Material { base_color, alpha_mode: AlphaMode::Blend, ..Material::default() });
+        let corner = Vec3::new(2.2 * i as f32 + 1.1, 1.2, 3.3 * i as f32 + 0.4);
+        tiny::add(&mut scene, tiny::quad(corner, Vec3::X * 2.0, Vec3::Y * 7.0, i), Mat4::IDENTITY);
+    }
+    (scene, Grid::new(Vec3::ZERO, 1.0, [12; 3]).unwrap())
+}
+
+#[test]
+fn files_hold_attributes() {
+    let gpu = shared();
+    let (scene, grid) = squares();
+    let found = attributes(&mut Executor::new(gpu), gpu, &scene, &grid, Axis::Z);
+    let folder = tempfile::tempdir().unwrap();
+    let written = |name: &str| {
+        let path = folder.path().join(name);
+        write_voxel_attributes(&path, &found, VoxelFormat::of(&path).unwrap()).map(|()| path)
+    };
+
+    // A slice a part, a channel a value.
+    let image = exr::prelude::read_all_flat_layers_from_file(written("v.exr").unwrap()).unwrap();
+    let mut compared = 0;
+    for (z, layer) in image.layer_data.iter().enumerate() {
+        let channel = |name: &str| -> Vec<f32> {
+            let channel = layer.channel_data.list.iter().find(|channel| channel.name.to_string() == name).unwrap();
+            channel.sample_data.values_as_f32().collect()
+        };
+        let names = ["R", "G", "B", "A", "normal.X", "normal.Y", "normal.Z", "area"];
+        let channels = names.map(channel);
+        for voxel in grid.voxels().filter(|voxel| voxel[2] as usize == z) {
+            let index = ((11 - voxel[1]) * 12 + voxel[0]) as usize;
+            let own = found.get(voxel).map_or([0.0; 8], |own| {
+                let (a, n) = (own.albedo, own.normal);
+                [a.x, a.y, a.z, own.opacity, n.x, n.y, n.z, own.area]
+            });
+            assert_eq!(channels.each_ref().map(|values| values[index]), own, "{voxel:?}");
+            compared += usize::from(own[3] > 0.0);
+        }
+    }
+    assert!(compared > 50, "{compared}");
+
+    // Few colours stay as they are: a place, and the index of a colour, from 1.
+    let file = std::fs::read(written("v.vox").unwrap()).unwrap();
+    let chunk = |name: &[u8; 4]| {
+        let at = file.windows(4).position(|four| four == name).unwrap();
+        let length = u32::from_le_bytes(file[at + 4..at + 8].try_into().unwrap()) as usize;
+        file[at + 12..at + 12 + length].to_vec()
+    };
+    let (places, palette) = (chunk(b"XYZI"), chunk(b"RGBA"));
+    let places = places[4..].as_chunks::<4>().0;
+    assert_eq!(places.len() as u64, found.voxels().count());
+    for &[x, y, z, index] in places {
+        let own = found.get([x.into(), z.into(), 11 - u32::from(y)]).unwrap();
+        let color = &palette[4 * (usize::from(index) - 1)..][..4];
+        let linear = |byte: u8| shadowgraph_tests::twin::texture::decode_srgb(f64::from(byte) / 255.0);
+        let near = own.albedo.to_array().iter().zip(color).all(|(&a, &b)| (f64::from(a) - linear(b)).abs() < 0.005);
+        assert!(color[3] == 255 && if own.area > 0.0 { near } else { index == 1 }, "{own:?} as {color:?}");
+    }
+    let said = written("v.npy").unwrap_err().to_string();
+    assert!(said.contains(".vox and .exr"), "{said}");
     silent(gpu);
 }

@@ -74,5 +74,10 @@ pub static TECHNIQUES: &[Technique] = &[
     Technique { family: "voxel", name: "ray_marching", summary: "which points see which, through the bits of a grid" },
     Technique { family: "voxel", name: "six_separating", summary: "voxels of thin surfaces without leaks" },
     Technique { family: "voxel", name: "stencil", summary: "solid voxelization slice by slice, counted in a stencil" },
+    Technique {
+        family: "voxel",
+        name: "vote",
+        summary: "solids whose surfaces are not closed, by columns along three axes",
+    },
     Technique { family: "voxel", name: "winding", summary: "solid voxelization by winding numbers, in one pass" },
 ];

@@ -11,6 +11,7 @@ pub mod ray_marching;
 pub mod six_separating;
 pub mod stencil;
 mod surface;
+pub mod vote;
 pub mod winding;
 
 pub use columns::FillRule;
