@@ -106,7 +106,7 @@ impl Grid {
 
     /// All voxels in the order `[z][y][x]`: x runs fastest.
     pub fn voxels(&self) -> impl Iterator<Item = [u32; 3]> + use<> {
-        self.rows().flat_map(|row| row)
+        self.rows().flatten()
     }
 
     /// The same, row by row along x.
