@@ -74,10 +74,20 @@ pub static TECHNIQUES: &[Technique] = &[
         name: "ambient_occlusion",
         summary: "how open the space around a surface is, by rays through voxels",
     },
+    Technique {
+        family: "voxel",
+        name: "attributes",
+        summary: "what surfaces are like in each voxel, averaged by area",
+    },
     Technique { family: "voxel", name: "bitmask", summary: "solid voxelization by XOR of column bits, in one pass" },
     Technique { family: "voxel", name: "conservative", summary: "every voxel that a triangle touches" },
     Technique { family: "voxel", name: "ray_marching", summary: "which points see which, through the bits of a grid" },
     Technique { family: "voxel", name: "six_separating", summary: "voxels of thin surfaces without leaks" },
     Technique { family: "voxel", name: "stencil", summary: "solid voxelization slice by slice, counted in a stencil" },
+    Technique {
+        family: "voxel",
+        name: "vote",
+        summary: "solids whose surfaces are not closed, by columns along three axes",
+    },
     Technique { family: "voxel", name: "winding", summary: "solid voxelization by winding numbers, in one pass" },
 ];

@@ -2,6 +2,7 @@
 //! into the bits of one regular grid, by the conventions of [`Grid`].
 
 pub mod ambient_occlusion;
+pub mod attributes;
 pub mod bitmask;
 mod columns;
 pub mod conservative;
@@ -12,6 +13,7 @@ pub mod ray_marching;
 pub mod six_separating;
 pub mod stencil;
 mod surface;
+pub mod vote;
 pub mod winding;
 
 pub use columns::FillRule;
