@@ -20,6 +20,11 @@ pub static TECHNIQUES: &[Technique] = &[
         summary: "deferred shading by punctual lights and a constant environment",
     },
     Technique { family: "shadow", name: "cascaded", summary: "cascaded shadow maps of a directional light" },
+    Technique {
+        family: "shadow",
+        name: "deep",
+        summary: "what comes through blended surfaces of a light's red, green and blue",
+    },
     Technique { family: "shadow", name: "spot", summary: "a shadow map for each spot light" },
     Technique { family: "surface", name: "depth", summary: "depth pre-pass" },
     Technique { family: "surface", name: "gbuffer", summary: "geometry and material of the first opaque surface" },

@@ -13,6 +13,7 @@ pub mod scene;
 pub mod shadow;
 pub mod surface;
 pub mod texture;
+pub mod transmittance;
 pub mod voxel;
 pub mod walk;
 
