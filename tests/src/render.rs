@@ -59,8 +59,8 @@ impl Subject {
 
     /// With its blended materials opaque.
     pub fn without_blending(mut self) -> Self {
-        for material in self.scene.materials.iter_mut().filter(|m| m.alpha_mode == AlphaMode::Blend) {
-            material.alpha_mode = AlphaMode::Opaque;
+        for material in self.scene.materials.iter_mut().filter(|material| material.is_blended()) {
+            (material.alpha_mode, material.transmission) = (AlphaMode::Opaque, 0.0);
         }
         self
     }

@@ -1,6 +1,7 @@
 //! The layers a frame can leave: which channels of which image go under which name.
 
-use super::{Shadows, Surfaces, TransparentLayers};
+use super::shadows::Shadows;
+use super::{Surfaces, TransparentLayers};
 use crate::graph::{Graph, ImageHandle};
 use crate::scene::GpuScene;
 use crate::techniques::transparency::abuffer::ABuffer;
@@ -149,6 +150,13 @@ impl<'s> Captured<'s> {
             let name = format!("shadow.{}", light.name);
             let channels = vec![(name.clone(), 0)];
             self.layer(graph, &name, channels, Samples::Color, ("masks", shadow.mask), masks, false);
+        }
+        if let Some(deep) = &shadows.deep {
+            for (layer, &light) in (0..).zip(&shadows.deep_lights) {
+                let name = format!("transmittance.{}", scene.lights[light].name);
+                let channels = ["R", "G", "B"].iter().enumerate().map(|(i, c)| (format!("{name}.{c}"), i)).collect();
+                self.layer(graph, &name, channels, Samples::Color, ("deep.masks", layer), &deep.masks, false);
+            }
         }
         if let Some(sun) = &shadows.sun {
             let channels = vec![("cascade.index".into(), 0)];

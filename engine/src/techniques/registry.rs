@@ -22,6 +22,11 @@ pub static TECHNIQUES: &[Technique] = &[
     Technique { family: "shadow", name: "cascaded", summary: "cascaded shadow maps of a directional light" },
     Technique {
         family: "shadow",
+        name: "deep",
+        summary: "what comes through blended surfaces of a light's red, green and blue",
+    },
+    Technique {
+        family: "shadow",
         name: "marched",
         summary: "shadows of any light by rays through voxels, without maps",
     },

@@ -14,6 +14,7 @@ pub mod scene;
 pub mod shadow;
 pub mod surface;
 pub mod texture;
+pub mod transmittance;
 pub mod vote;
 pub mod voxel;
 pub mod walk;

@@ -6,6 +6,7 @@ use shadowgraph::gpu::{Gpu, GpuOptions, Messages, Severity, Validation};
 use shadowgraph::graph::{Executed, Executor, Graph};
 use shadowgraph::scene::{Camera, GpuScene, Scene};
 use shadowgraph::shader::generated::blocks::ABufferReport;
+use shadowgraph::techniques::shadow::deep::DeepShadow;
 use shadowgraph::techniques::surface::gbuffer::Precision;
 
 use crate::arguments::SceneSource;
@@ -71,6 +72,7 @@ pub fn frame_settings(arguments: &FrameArguments, scene: &GpuScene, camera: &Cam
         voxels: arguments.voxels.map(|resolution| VoxelVisibility::new(resolution, scene)),
         layers: arguments.layers.clone(),
         transparency: arguments.transparency()?,
+        deep_shadow: arguments.deep_shadows.map(|resolution| DeepShadow { resolution }),
         layer_memory: arguments.layer_memory.map_or(u64::MAX, |mebibytes| mebibytes << 20),
         ..FrameSettings::new(camera.view(arguments.size.0))
     })
@@ -137,6 +139,9 @@ pub struct Recipe {
     #[serde(skip_serializing_if = "Option::is_none")]
     voxels: Option<u32>,
     float: bool,
+    /// Texels a side.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    deep_shadows: Option<u32>,
     transparency: &'static str,
     /// What it was set to, where it can be: layers kept, samples, number of the weight's equation.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -153,6 +158,7 @@ impl Recipe {
             environment: settings.environment.x,
             voxels: settings.voxels.map(|voxels| voxels.resolution),
             float: arguments.float,
+            deep_shadows: arguments.deep_shadows,
             transparency: settings.composited_by().name(),
             transparency_setting: (arguments.kept.or(arguments.samples).or(arguments.weight))
                 .filter(|_| settings.composited_by() == settings.transparency),

@@ -371,6 +371,19 @@ fn techniques_of_transparency_take_their_settings() {
 }
 
 #[test]
+fn glass_throws_coloured_shadows() {
+    let folder = tempfile::tempdir().unwrap();
+    let courtyard = ["capture", "builtin:courtyard", "--size", "64x36", "--layers", "transmittance", "--validation"];
+    let deep = ["--deep-shadows", "256", "--transparency", "abuffer", "-o", "out.exr"];
+    succeeds(&folder, &[&courtyard[..], &deep].concat());
+    let file = fs::read(folder.path().join("out.exr")).unwrap();
+    assert!(String::from_utf8_lossy(&file).contains("transmittance.sun.R"));
+    // Without them there is no such layer.
+    is_refused(&[&courtyard[..], &["-o", "o.exr"]].concat(), "unknown layer \"transmittance\"");
+    is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--deep-shadows", "4096"], "1..=2048");
+}
+
+#[test]
 fn deep_pictures_are_written() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = ["capture", "builtin:courtyard", "--deep", "deep.exr", "--size", "64x36", "--validation"];

@@ -124,6 +124,9 @@ pub struct FrameArguments {
     /// not enough, the command fails and says how much would be
     #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..=1 << 30))]
     pub layer_memory: Option<u64>,
+    /// Let blended surfaces and glass throw coloured shadows, by deep shadow maps of so many texels a side, from 1 to 2048
+    #[arg(long, value_name = "TEXELS", value_parser = clap::value_parser!(u32).range(1..=2048), help_heading = "Light")]
+    pub deep_shadows: Option<u32>,
     /// Layers to keep, by name or by first part of the name, between commas: color,Z,N,id. What no layer needs is not
     /// rendered. An unknown name makes the command list the known ones
     #[arg(long, value_name = "LIST|all", value_parser = arguments::layers, default_value = "all")]
@@ -220,9 +223,10 @@ pub struct DebugArguments {
 #[command(after_help = "\
 Layers: color (R,G,B,A), Z (distance along the view axis, m), N (normal) and P (position) in world space, \
 albedo, roughness, metallic, occlusion, emissive, direct (light that came straight from lamps), id.object, \
-id.primitive, id.material (from 1; names in the header), shadow.LIGHT, cascade.index, abuffer.count and \
-abuffer.front.Z (layers, and how far the nearest is; with --transparency abuffer), ambient_occlusion (the open share of the space around, with --voxels), and shadow maps as \
-parts map.LIGHT.
+id.primitive, id.material (from 1; names in the header), shadow.LIGHT, transmittance.LIGHT (what comes through glass; \
+with --deep-shadows), cascade.index, abuffer.count and abuffer.front.Z (layers, and how far the nearest is; with \
+--transparency abuffer), ambient_occlusion (the open share of the space around; with --voxels), and shadow maps as parts \
+map.LIGHT.
 
 Examples:
   shadowgraph capture scene.glb -o out.exr
