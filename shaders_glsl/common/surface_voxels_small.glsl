@@ -18,7 +18,7 @@ const uint SLICES = 4u; // workgroups a large triangle
 const uint MOST_GROUPS = 65535u; // every device dispatches so many
 
 void main() {
-    uint number = gl_GlobalInvocationID.x;
+    uint number = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x + gl_GlobalInvocationID.x;
     if (number == 0u) {
         group_count[1] = SLICES;
         group_count[2] = 1u;

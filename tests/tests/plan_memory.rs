@@ -64,6 +64,20 @@ fn a_chain_takes_two_images() {
     assert_eq!((figures.heap_bytes, figures.lower_bound_bytes, figures.unaliased_bytes), (512, 512, 1024));
 }
 
+/// What the device does not allocate at once lies in several heaps: two of the chain's images are 512 bytes.
+#[test]
+fn heaps_are_no_larger_than_the_device_allocates() {
+    let (draft, _) = chain(&[8; 4]);
+    let planned = |most_at_once: u64| {
+        let plan = planned(&draft.description, &MadeUpDevice { most_at_once, ..MadeUpDevice::one_queue() });
+        plan.heaps.iter().map(|heap| heap.size).collect::<Vec<_>>()
+    };
+    assert_eq!(planned(512), [512]);
+    assert_eq!(planned(511), [256; 4]);
+    // What does not fit by itself is for the device to refuse.
+    assert_eq!(planned(100), [256; 4]);
+}
+
 #[test]
 fn a_chain_of_a_thousand_takes_two_images() {
     let (draft, _) = chain(&[64; 1000]);

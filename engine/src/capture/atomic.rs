@@ -21,8 +21,10 @@ pub fn write_atomically(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> 
     let target = resolve(path).map_err(|e| Error::io("write", path, e))?;
     let (temporary, file) = Temporary::beside(&target).map_err(|e| Error::io("create a file beside", path, e))?;
     let written = fill_and_close(file, fill).and_then(|()| fs::rename(&temporary.0, &target));
-    written.map_err(|e| Error::io("write", path, e))
-    // After the rename there is nothing left under the temporary name, so that its removal does nothing.
+    written.map_err(|e| Error::io("write", path, e))?;
+    // After the rename the temporary name is free, and may be somebody else's by now.
+    std::mem::forget(temporary);
+    Ok(())
 }
 
 fn fill_and_close(file: File, fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {

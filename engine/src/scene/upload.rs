@@ -8,7 +8,7 @@ use glam::{Mat3, Mat4, Vec3};
 
 use super::draw::{Draw, DrawClass, DrawList};
 use super::textures::{Encoding, TextureImages, depth_texel, sampler, texel, words_texel};
-use super::{AlphaMode, Material, Primitive, Scene, TextureSlot};
+use super::{AlphaMode, Material, Mesh, Primitive, Scene, TextureSlot};
 use crate::Result;
 use crate::geometry::Aabb;
 use crate::gpu::{Buffer, BufferInfo, Descriptor, DescriptorSet, Gpu, Image, Memory, SamplerInfo, SetLayout, Uploader};
@@ -196,6 +196,8 @@ fn draws_and_instances(scene: &Scene, geometry: &Geometry) -> (DrawList, Vec<blo
             items.push(Item { key, object: index });
         }
     }
+    // By mesh and primitive: its box, and the triangles before it.
+    let parts: Vec<Vec<(Option<Aabb>, usize)>> = scene.meshes.iter().map(boxes_and_starts).collect();
     let first_blended = first_blended(scene);
     items.sort_by_key(|item| (item.key, item.object));
 
@@ -207,9 +209,8 @@ fn draws_and_instances(scene: &Scene, geometry: &Geometry) -> (DrawList, Vec<blo
         let (class, double_sided, mirrored, material, mesh, part) = item.key;
         let object = &scene.objects[item.object];
         let primitives = &scene.meshes[mesh].primitives;
-        let Some(bounds) = Aabb::around(primitives[part].positions.iter().copied()) else { continue };
+        let (Some(bounds), before) = parts[mesh][part] else { continue };
         let bounds = bounds.transformed(object.world_from_object);
-        let before: usize = primitives[..part].iter().map(|p| p.indices.len() / 3).sum();
         let start = geometry.starts[mesh][part];
         instance_bounds.push(bounds);
         let mut record = instance_record(&object.world_from_object, item.object, material, before, start);
@@ -239,6 +240,16 @@ fn draws_and_instances(scene: &Scene, geometry: &Geometry) -> (DrawList, Vec<blo
         last_key = Some(item.key);
     }
     (DrawList::new(draws, instance_bounds), instances)
+}
+
+fn boxes_and_starts(mesh: &Mesh) -> Vec<(Option<Aabb>, usize)> {
+    let mut before = 0;
+    let part = |primitive: &Primitive| {
+        let start = before;
+        before += primitive.indices.len() / 3;
+        (Aabb::around(primitive.positions.iter().copied()), start)
+    };
+    mesh.primitives.iter().map(part).collect()
 }
 
 /// By object and primitive: how many blended triangles the scene has before. The order of draws has no say in it.

@@ -11,6 +11,8 @@ pub struct MadeUpDevice {
     pub families: [Option<u32>; 3],
     /// `bufferImageGranularity`.
     pub granularity: u64,
+    /// `maxMemoryAllocationSize`.
+    pub most_at_once: u64,
     /// Alignment of images.
     pub image_alignment: u64,
     /// Alignment of buffers.
@@ -26,6 +28,7 @@ impl MadeUpDevice {
     pub fn one_queue() -> Self {
         Self {
             families: [Some(0), None, None],
+            most_at_once: u64::MAX,
             granularity: 1,
             image_alignment: 256,
             buffer_alignment: 16,
@@ -73,6 +76,10 @@ impl DeviceModel for MadeUpDevice {
 
     fn granularity(&self) -> u64 {
         self.granularity
+    }
+
+    fn most_at_once(&self) -> u64 {
+        self.most_at_once
     }
 
     fn image_usages(&self, format: vk::Format) -> vk::ImageUsageFlags {

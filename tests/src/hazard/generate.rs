@@ -69,6 +69,8 @@ impl Recipe {
         };
         MadeUpDevice {
             families,
+            // One in eight frames is put into heaps of a few images.
+            most_at_once: if self.memory % 8 == 5 { 1 << 18 } else { u64::MAX },
             granularity: [1, 64, 1024, 4096][usize::from(self.memory & 3)],
             image_alignment: [16, 256, 4096, 65536][usize::from(self.memory >> 2 & 3)],
             buffer_alignment: [1, 16, 256, 64][usize::from(self.memory >> 4 & 3)],

@@ -163,6 +163,11 @@ impl Buffer {
         Ok(look(unsafe { std::slice::from_raw_parts(first.0.as_ptr(), self.0.size as usize) }))
     }
 
+    /// See [`super::Gpu::device_number`].
+    pub(crate) fn device_number(&self) -> usize {
+        Arc::as_ptr(&self.0.device).addr()
+    }
+
     pub(super) fn is_of(&self, device: &Arc<Device>) -> bool {
         Arc::ptr_eq(&self.0.device, device)
     }

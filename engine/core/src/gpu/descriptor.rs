@@ -114,6 +114,7 @@ struct Inner {
     /// Of its own size, for this set alone.
     pool: vk::DescriptorPool,
     set: vk::DescriptorSet,
+    layout: vk::DescriptorSetLayout,
     /// What it points at.
     _kept: Vec<Descriptor>,
 }
@@ -127,6 +128,11 @@ impl DescriptorSet {
     /// Debug name.
     pub fn name(&self) -> &str {
         &self.0.name
+    }
+
+    /// Layouts that are alike are one.
+    pub(crate) fn layout(&self) -> vk::DescriptorSetLayout {
+        self.0.layout
     }
 }
 
@@ -278,6 +284,7 @@ impl Gpu {
             name: name.into(),
             pool,
             set,
+            layout: layout.raw,
             _kept: descriptors.iter().map(|d| d.1.clone()).collect(),
         })))
     }

@@ -150,7 +150,8 @@ impl Image {
         let inside = |[first, end]: [u32; 2], count| first < end && end <= count;
         let count = view.layers[1].saturating_sub(view.layers[0]);
         let fitting = match view.kind {
-            vk::ImageViewType::TYPE_2D | vk::ImageViewType::TYPE_3D => count == 1,
+            vk::ImageViewType::TYPE_2D => count == 1,
+            vk::ImageViewType::TYPE_3D => count == 1 && info.extent[2] > 1,
             vk::ImageViewType::CUBE => info.cube && count == 6,
             vk::ImageViewType::CUBE_ARRAY => info.cube && count.is_multiple_of(6),
             _ => true,
@@ -169,6 +170,11 @@ impl Image {
             return Ok(());
         };
         Err(self.invalid(why))
+    }
+
+    /// See [`super::Gpu::device_number`].
+    pub(crate) fn device_number(&self) -> usize {
+        Arc::as_ptr(&self.0.device).addr()
     }
 
     pub(super) fn is_of(&self, device: &Arc<Device>) -> bool {

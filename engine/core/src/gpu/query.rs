@@ -101,7 +101,7 @@ impl QueryPool {
         Ok(words.chunks_exact(stride).map(one).collect())
     }
 
-    /// Timestamps in nanoseconds since an arbitrary moment, `None` where not written.
+    /// Timestamps in nanoseconds since the first of them, `None` where not written.
     ///
     /// # Errors
     /// As [`QueryPool::results`]; [`crate::Error::Invalid`] for a pool that holds none.
@@ -113,7 +113,11 @@ impl QueryPool {
         let bits = caps.queue_families.get(caps.queue_family as usize).map_or(64, |f| f.timestamp_bits);
         let mask = u64::MAX.checked_shr(64u32.saturating_sub(bits)).unwrap_or(0);
         let period = f64::from(caps.limits.timestamp_period);
-        Ok(self.results()?.into_iter().map(|r| r.map(|v| (v[0] & mask) as f64 * period)).collect())
+        // Counted from the first: as floats, nanoseconds since 1970 have steps of 256.
+        let results = self.results()?;
+        let first = results.iter().flatten().next().map_or(0, |value| value[0]);
+        let since = |value: Vec<u64>| (value[0].wrapping_sub(first) & mask) as f64 * period;
+        Ok(results.into_iter().map(|result| result.map(since)).collect())
     }
 }
 

@@ -195,7 +195,8 @@ impl<'f> Graph<'f> {
     /// # Errors
     /// All that is wrong with it, at once.
     pub fn compile(&self, device: &dyn DeviceModel) -> Result<Plan, GraphErrors> {
-        let planned = plan(&self.description, device);
+        let fingerprint = self.description.fingerprint();
+        let planned = plan(&self.description, device).map(|plan| Plan { fingerprint, ..plan });
         let partly = planned.as_ref().map_or_else(|_| Vec::new(), |plan| self.written_in_part(plan));
         if self.mistakes.is_empty() && partly.is_empty() {
             return planned;
@@ -390,6 +391,9 @@ impl<'f> Graph<'f> {
 
     /// Whether a version still is as its resource began, undefined.
     pub(super) fn is_undefined(&self, handle: &impl Handle) -> bool {
+        if handle.graph() != self.id {
+            return false;
+        }
         let mut version = handle.version();
         loop {
             match &self.description.versions[version.0 as usize].source {

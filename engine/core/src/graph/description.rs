@@ -5,8 +5,10 @@
 //! a reader comes after the pass that made the version and before the pass that replaces it.
 
 use std::borrow::Cow;
+use std::hash::{Hash, Hasher};
 
 use ash::vk;
+use rustc_hash::FxHasher;
 use smallvec::SmallVec;
 
 use super::name::Name;
@@ -38,6 +40,20 @@ impl Description {
         passes.clear();
         roots.clear();
         checkpoints.clear();
+    }
+
+    /// A number that tells frames apart that no plan serves both of: of everything but names.
+    pub(super) fn fingerprint(&self) -> u64 {
+        let Self { name: _, resources, versions, passes, roots, checkpoints } = self;
+        let mut hasher = FxHasher::default();
+        [resources.len(), versions.len(), passes.len(), roots.len(), checkpoints.len()].hash(&mut hasher);
+        resources.iter().for_each(|Resource { name: _, shape, origin }| (shape, origin).hash(&mut hasher));
+        for Pass { name: _, queue, uses, side_effect: _ } in passes {
+            (queue, uses.len()).hash(&mut hasher);
+            uses.iter().for_each(|used| (used.version, used.makes, used.reads, used.access).hash(&mut hasher));
+        }
+        roots.iter().for_each(|root| (root.version, root.read_back).hash(&mut hasher));
+        hasher.finish()
     }
 }
 
@@ -110,7 +126,7 @@ pub struct ImageShape {
 }
 
 /// Where a resource's memory comes from.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Hash)]
 pub enum Origin {
     /// Lives within the frame; may share memory with others.
     Transient,
@@ -136,7 +152,7 @@ pub enum Origin {
 }
 
 /// State of a part of a resource between two plans.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct State {
     /// The part.
     pub range: Range,

@@ -2,8 +2,8 @@
 //!
 //! Why its `unsafe` is sound, for every block: the command buffer is in the recording state and used by this thread
 //! alone; handles come from live objects that the frame keeps until the device is done; layouts and hazards are the
-//! plan's business, which validation and the plan's own checker watch; indices out of range are bounded by
-//! `robustBufferAccess`.
+//! plan's business, which validation and the plan's own checker watch; vertices out of range are bounded by
+//! `robustBufferAccess`, indices and materials are checked by [`Recorder`].
 #![allow(unsafe_code)]
 
 use std::ops::Range;
@@ -12,6 +12,7 @@ use ash::vk;
 
 use super::plan::{Plan, Statistics};
 use crate::gpu::{Buffer, Commands, DescriptorSet, Image, Pipeline, QueryPool};
+use crate::{Error, Result};
 
 /// Records the draws of one pass. Given to the pass's closure.
 pub struct Recorder<'a> {
@@ -19,6 +20,12 @@ pub struct Recorder<'a> {
     commands: vk::CommandBuffer,
     programs: &'a [Ready],
     current: usize,
+    /// Indices in the bound index buffer.
+    indices: u32,
+    /// The material of the current program is bound.
+    has_material: bool,
+    /// The first draw that could not be recorded, and why.
+    mistake: Option<String>,
 }
 
 /// A program with its pipeline and its pass-level set.
@@ -29,7 +36,15 @@ pub(super) struct Ready {
 
 impl<'a> Recorder<'a> {
     pub(super) fn new(device: &'a ash::Device, commands: &Commands, programs: &'a [Ready]) -> Self {
-        let mut recorder = Self { device, commands: commands.raw(), programs, current: 0 };
+        let mut recorder = Self {
+            device,
+            commands: commands.raw(),
+            programs,
+            current: 0,
+            indices: 0,
+            has_material: false,
+            mistake: None,
+        };
         recorder.program(0);
         recorder
     }
@@ -38,6 +53,7 @@ impl<'a> Recorder<'a> {
     /// range takes the last.
     pub fn program(&mut self, index: usize) {
         self.current = index.min(self.programs.len().saturating_sub(1));
+        self.has_material = false;
         let Some(ready) = self.programs.get(self.current) else { return };
         // SAFETY: see the module.
         unsafe {
@@ -80,8 +96,14 @@ impl<'a> Recorder<'a> {
     /// Binds set 1, where the current program has one.
     pub fn material(&mut self, set: &DescriptorSet) {
         let Some(ready) = self.programs.get(self.current) else { return };
-        if ready.pipeline.set_layout(1).is_none() {
-            return;
+        match ready.pipeline.set_layout(1) {
+            None => return,
+            Some(wanted) if wanted.raw() != set.layout() => {
+                let mistake = format!("`{}` is a material of another layout than its program takes", set.name());
+                self.mistake.get_or_insert(mistake);
+                return;
+            }
+            Some(_) => self.has_material = true,
         }
         let layout = ready.pipeline.layout();
         let graphics = vk::PipelineBindPoint::GRAPHICS;
@@ -105,6 +127,7 @@ impl<'a> Recorder<'a> {
 
     /// 32-bit indices.
     pub fn index_buffer(&mut self, buffer: &Buffer) {
+        self.indices = u32::try_from(buffer.size() / 4).unwrap_or(u32::MAX);
         // SAFETY: see the module.
         unsafe { self.device.cmd_bind_index_buffer(self.commands, buffer.raw(), 0, vk::IndexType::UINT32) }
     }
@@ -112,6 +135,9 @@ impl<'a> Recorder<'a> {
     /// Draws vertices without indices.
     pub fn draw(&mut self, vertices: Range<u32>, instances: Range<u32>) {
         let (count, copies) = (vertices.len() as u32, instances.len() as u32);
+        if !self.is_ready() {
+            return;
+        }
         // SAFETY: see the module.
         unsafe { self.device.cmd_draw(self.commands, count, copies, vertices.start, instances.start) }
     }
@@ -119,9 +145,37 @@ impl<'a> Recorder<'a> {
     /// Draws indexed vertices. `instances.start` becomes `gl_InstanceIndex` of the first.
     pub fn draw_indexed(&mut self, indices: Range<u32>, vertex_offset: i32, instances: Range<u32>) {
         let (count, copies) = (indices.len() as u32, instances.len() as u32);
+        if indices.end > self.indices {
+            let mistake = format!("indices {indices:?} are drawn of {} that are bound", self.indices);
+            self.mistake.get_or_insert(mistake);
+            return;
+        }
+        if !self.is_ready() {
+            return;
+        }
         // SAFETY: see the module.
         unsafe {
             self.device.cmd_draw_indexed(self.commands, count, copies, indices.start, vertex_offset, instances.start);
+        }
+    }
+}
+
+impl Recorder<'_> {
+    /// Whether all is bound that a draw's program reads.
+    fn is_ready(&mut self) -> bool {
+        let takes_material =
+            self.programs.get(self.current).is_some_and(|ready| ready.pipeline.set_layout(1).is_some());
+        if takes_material && !self.has_material {
+            self.mistake.get_or_insert_with(|| "a program that takes a material draws without one".into());
+        }
+        !takes_material || self.has_material
+    }
+
+    /// What of the pass could not be recorded.
+    pub(super) fn finish(self) -> Result<()> {
+        match self.mistake {
+            Some(mistake) => Err(Error::invalid("a draw", mistake)),
+            None => Ok(()),
         }
     }
 }

@@ -49,10 +49,11 @@ fn cut(colors: &mut Vec<Counted>, channel: usize) -> Vec<Counted> {
     colors.sort_by_key(|&(color, _)| (color[channel], color));
     let half = colors.iter().map(|&(_, count)| count).sum::<u64>() / 2;
     let mut before = 0;
-    let median = colors.partition_point(|&(_, count)| {
+    let beyond = |&(_, count): &Counted| {
         before += count;
-        before <= half
-    });
+        before > half
+    };
+    let median = colors.iter().position(beyond).unwrap_or(colors.len());
     // Colours of one value stay together.
     let value = |at: usize| colors.get(at).map(|(color, _)| color[channel]);
     let at = (median.max(1)..colors.len()).find(|&at| value(at) != value(at - 1));

@@ -22,7 +22,8 @@ pub(super) fn write(path: &Path, voxels: &Voxels) -> Result<()> {
     let [width, height, depth] = voxels.grid().size();
     let fit = |size: u32| ((MOST - 1) / (size + 1)).max(1);
     let count = depth.min(fit(width) * fit(height));
-    let across = count.min(fit(width)).min((count as f32).sqrt().ceil() as u32);
+    let square = (count as f32).sqrt().ceil() as u32;
+    let across = count.min(fit(width)).min(square.max(count.div_ceil(fit(height))));
     let down = count.div_ceil(across);
     let size = [across * (width + 1) + 1, down * (height + 1) + 1];
     let mut pixels = vec![LINE; size[0] as usize * size[1] as usize];

@@ -32,9 +32,11 @@ pub fn first_name<'a>(choices: impl IntoIterator<Item = Option<&'a String>>, oth
     name.unwrap_or_else(|| otherwise.to_owned())
 }
 
-/// A light's name becomes part of layer names, where a dot has a meaning and length is limited.
+/// A light's name becomes part of layer names, where a dot has a meaning and length is limited: 255 bytes to a channel's.
 pub fn layer_name(name: &str) -> String {
-    name.chars().map(|c| if c == '.' { '_' } else { c }).take(64).collect()
+    const MOST: usize = 64;
+    let end = (0..=MOST.min(name.len())).rev().find(|&end| name.is_char_boundary(end)).unwrap_or(0);
+    name[..end].replace('.', "_")
 }
 
 fn clean(name: &str) -> String {

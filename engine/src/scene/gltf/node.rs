@@ -105,6 +105,9 @@ fn transform(translation: DVec3, rotation: DQuat, scale: DVec3) -> DMat4 {
     DMat4::from_mat3_translation(linear, translation)
 }
 
+/// What an instance of a primitive takes, about, until it is on the device.
+const BYTES_OF_INSTANCE: usize = 256;
+
 /// Instances of meshes, in the order of the hierarchy.
 pub fn objects(file: &File, placed: &Placed, meshes: &Meshes) -> Result<Vec<Object>> {
     let bounds: Vec<Option<Aabb>> = meshes.meshes.iter().map(Mesh::bounds).collect();
@@ -123,6 +126,8 @@ pub fn objects(file: &File, placed: &Placed, meshes: &Meshes) -> Result<Vec<Obje
             if !world_from_object.is_finite() || end.is_some_and(|b| !b.size().is_finite() || !b.min.is_finite()) {
                 return Err(file.error(&at, "takes its mesh out of the range of 32-bit floats"));
             }
+            let primitives = meshes.meshes.get(mesh).map_or(0, |mesh| mesh.primitives.len());
+            file.spend((primitives * BYTES_OF_INSTANCE) as u64, &at)?;
             objects.push(Object { name: names.unique(&wanted), mesh, world_from_object });
             Ok(())
         };

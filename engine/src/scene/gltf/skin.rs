@@ -51,7 +51,9 @@ pub fn pose(
     primitive: &mut Primitive,
     at: &str,
 ) -> Result<()> {
-    let mut blended = vec![DMat4::ZERO; primitive.positions.len()];
+    let vertices = primitive.positions.len();
+    file.spend((vertices * (size_of::<DMat4>() + size_of::<f64>())) as u64, at)?;
+    let mut blended = vec![DMat4::ZERO; vertices];
     let mut totals = vec![0.0; blended.len()];
     for set in 0..u32::MAX {
         let attribute = |semantic| source.attributes.get(&Checked::Valid(semantic));

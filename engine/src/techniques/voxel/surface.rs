@@ -1,16 +1,19 @@
 //! Voxels of surfaces: a triangle an invocation, and large ones dealt out over many.
 
 use super::{Axis, Grid, VoxelBits};
-use crate::Result;
 use crate::geometry::Aabb;
 use crate::graph::{ComputePass, Graph};
 use crate::scene::{DrawClass, GpuScene};
 use crate::shader::Shader;
 use crate::shader::generated::blocks;
 use crate::shader::generated::voxel::conservative::{large_comp, small_comp};
+use crate::{Error, Result};
 
 /// Smallest ε, in voxels.
 const LEAST_MARGIN: f32 = 1e-4;
+
+/// Triangles in a row of invocations.
+const ROW: u32 = 1 << 20;
 
 /// Sets the voxels that make up triangles. `shaders`: for small and for large triangles, with the bindings of
 /// `common/surface_voxels_small.glsl` and `common/surface_voxels_large.glsl`.
@@ -26,7 +29,7 @@ pub(super) fn record<'f>(
     let bits = graph.fill("voxel.clear", bits, 0);
 
     // 1. All triangles are numbered, instance by instance.
-    let starts = triangle_starts(scene, surfaces);
+    let starts = triangle_starts(scene, surfaces)?;
     let touch = touch(scene, &grid, &starts);
     let triangle_count = touch.triangle_count;
     if triangle_count == 0 {
@@ -52,7 +55,7 @@ pub(super) fn record<'f>(
     let bits = pass.write(small_comp::BITS, bits);
     let groups = pass.write(small_comp::LARGE_GROUPS, groups);
     let list = pass.write(small_comp::LARGE_TRIANGLES, list);
-    pass.dispatch([triangle_count, 1, 1]);
+    pass.dispatch([triangle_count.min(ROW), triangle_count.div_ceil(ROW), 1]);
 
     // 3. Large triangles, a row of workgroups each.
     let mut pass = graph.compute("voxel.surface.large", large);
@@ -74,16 +77,21 @@ pub enum Surfaces {
 }
 
 /// By instance how many triangles come before; then the number of all. An instance that does not count has none.
-pub(super) fn triangle_starts(scene: &GpuScene, surfaces: Surfaces) -> Vec<u32> {
+///
+/// # Errors
+/// [`Error::Invalid`] for more than 2³² triangles.
+pub(super) fn triangle_starts(scene: &GpuScene, surfaces: Surfaces) -> Result<Vec<u32>> {
     let mut starts = vec![0_u32];
     for draw in scene.draws.draws() {
         let counts = surfaces == Surfaces::All || draw.class != DrawClass::Blend;
         let triangles = if counts { draw.indices.len() as u32 / 3 } else { 0 };
         for _ in draw.instances.clone() {
-            starts.push(starts[starts.len() - 1] + triangles);
+            let next = starts[starts.len() - 1].checked_add(triangles);
+            let why = "has more than 4294967295 triangles, those of a mesh counted for each of its instances";
+            starts.push(next.ok_or_else(|| Error::invalid(format!("scene `{}`", scene.name), why))?);
         }
     }
-    starts
+    Ok(starts)
 }
 
 /// The uniform block `Touch`.

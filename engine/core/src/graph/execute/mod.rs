@@ -72,6 +72,8 @@ pub struct Prepared<'f> {
     queries: Queries,
     /// Number of its first pass in the whole frame.
     first_pass: u32,
+    /// The device that it is of: see [`Gpu::is_device`].
+    device: usize,
     /// Descriptor sets point into it, and at what is bound.
     _kept: (Option<Buffer>, Arc<Vec<Bound>>),
 }
@@ -194,8 +196,12 @@ impl<'g> Executor<'g> {
     ///
     /// # Errors
     /// [`Error::Missing`] where a shader asks for what the device lacks; [`Error::OutOfMemory`] naming the heap;
-    /// [`Error::DeviceLost`] naming the last pass that began; what a pass's closure returns.
+    /// [`Error::DeviceLost`] naming the last pass that began; what a pass's closure returns; [`Error::Invalid`] for the
+    /// plan of another graph, and for imports that were not made for what passes do to them.
     pub fn execute(&mut self, plan: &Plan, graph: Graph) -> Result<Executed> {
+        check(self.gpu, plan, &graph)?;
+        self.transients.begin_frame();
+        self.descriptors.iter_mut().for_each(DescriptorCache::begin_frame);
         let Graph { description, work, bound, mut external, arena, histories, later, queries, .. } = graph;
         self.histories.take(self.gpu, &histories, &mut external)?;
         let arena = self.arena_of_this_frame(&arena.bytes)?;
@@ -219,13 +225,17 @@ impl<'g> Executor<'g> {
     ///
     /// # Errors
     /// As [`Executor::execute`]; [`Error::Invalid`] where the frame has histories or checkpoints: what follows from the
-    /// last frame, or from what the host reads, is not known before.
+    /// last frame, or from what the host reads, is not known before; or where it leaves an imported image in another
+    /// layout than it arrives in, for each run finds it as the last one left it.
     pub fn prepare<'f>(&mut self, plan: &Plan, graph: Graph<'f>) -> Result<Prepared<'f>> {
+        check(self.gpu, plan, &graph)?;
+        self.transients.begin_frame();
         let Graph { description, work, bound, external, arena, histories, queries, .. } = graph;
         if !histories.is_empty() || !description.checkpoints.is_empty() {
             let why = "has histories or checkpoints, which change from run to run; execute it anew each time";
             return Err(Error::invalid(format!("graph `{}`", description.name), why));
         }
+        resources::check_turns(plan, &description)?;
         let arena = self.arena(&arena.bytes)?;
         let (work, memory, bound) = (work.into_iter(), Resources(external), Arc::new(bound));
         let mut frame = Frame { work, bound, memory, arena, queries, first_pass: 0 };
@@ -236,16 +246,19 @@ impl<'g> Executor<'g> {
     /// Records a frame that was prepared, runs it, and waits until the device is done.
     ///
     /// # Errors
-    /// As [`Executor::execute`].
+    /// As [`Executor::execute`]; [`Error::Invalid`] for a frame of another device.
     pub fn run(&mut self, prepared: &mut Prepared) -> Result<Executed> {
+        if !self.gpu.is_device(prepared.device) {
+            let why = "was prepared for another device; prepare it by the executor that runs it";
+            return Err(Error::invalid(format!("graph `{}`", prepared.description.name), why));
+        }
         Ok(self.record_and_wait(prepared)?.into())
     }
 
     /// Runs a frame, or a segment of one, once; gives the description back.
     fn run_once(&mut self, description: Description, plan: &Plan, frame: &mut Frame) -> Result<(Ran, Description)> {
         let start = Instant::now();
-        let mut descriptors = self.descriptors.take().unwrap_or_else(|| self.gpu.descriptor_cache("passes"));
-        descriptors.begin_frame();
+        let descriptors = self.descriptors.take().unwrap_or_else(|| self.gpu.descriptor_cache("passes"));
         let mut prepared = self.ready(description, plan, frame, descriptors)?;
         let readying = start.elapsed();
         let ran = self.record_and_wait(&mut prepared)?;
@@ -312,6 +325,7 @@ impl<'g> Executor<'g> {
             timer,
             queries,
             first_pass,
+            device: self.gpu.device_number(),
             _kept,
         })
     }
@@ -414,4 +428,13 @@ impl<'g> Executor<'g> {
         let capture = |root| Capture::new(self.gpu, description, root);
         description.roots.iter().map(|root| root.read_back.then(|| capture(root)).transpose()).collect()
     }
+}
+
+/// Whether a plan can be executed for a graph.
+fn check(gpu: &Gpu, plan: &Plan, graph: &Graph) -> Result<()> {
+    if plan.fingerprint != graph.description.fingerprint() {
+        let why = "was compiled from another graph: compile the one that is executed, after its last pass is recorded";
+        return Err(Error::invalid(format!("the plan for graph `{}`", graph.description.name), why));
+    }
+    resources::check_imports(gpu, plan, graph)
 }

@@ -3,9 +3,9 @@
 use ash::vk;
 
 use crate::gpu::{Buffer, BufferInfo, Gpu, Image, ImageInfo, Memory, Requirements};
-use crate::graph::builder::External;
-use crate::graph::description::{ImageShape, Queue, Resource, ResourceId, Shape};
-use crate::graph::plan::{self, DeviceModel, Usage};
+use crate::graph::builder::{External, Graph};
+use crate::graph::description::{Description, ImageShape, Origin, Queue, Resource, ResourceId, Shape};
+use crate::graph::plan::{self, DeviceModel, End, Plan, Usage};
 use crate::{Error, Result};
 
 /// Memory of a frame's resources, by their number.
@@ -55,6 +55,54 @@ pub(super) fn image_info<'a>(name: &'a str, shape: &ImageShape, usage: vk::Image
     }
 }
 
+/// Whether imported images and buffers were made for what passes do to them, on this device.
+pub(super) fn check_imports(gpu: &Gpu, plan: &Plan, graph: &Graph) -> Result<()> {
+    for (index, external) in graph.external.iter().enumerate() {
+        let lacks = match (external, plan.usages.get(index).copied().flatten()) {
+            (Some(External::Image(image)), Some(Usage::Image(needed))) => {
+                let lacks = needed & !image.info().usage;
+                (!lacks.is_empty()).then(|| format!("{lacks:?}"))
+            }
+            (Some(External::Buffer(buffer)), Some(Usage::Buffer(needed))) => {
+                let lacks = needed & !buffer.usage();
+                (!lacks.is_empty()).then(|| format!("{lacks:?}"))
+            }
+            _ => None,
+        };
+        let name = &graph.description.resources[index].name;
+        if let Some(lacks) = lacks {
+            let why = format!("is used as {lacks}, which it was not made for: add that to its usage");
+            return Err(Error::invalid(format!("import `{name}`"), why));
+        }
+        let is_ours = match external {
+            Some(External::Image(image)) => gpu.is_device(image.device_number()),
+            Some(External::Buffer(buffer)) => gpu.is_device(buffer.device_number()),
+            None => true,
+        };
+        if !is_ours {
+            return Err(Error::invalid(format!("import `{name}`"), "is of another device"));
+        }
+    }
+    Ok(())
+}
+
+/// Whether a frame that runs again and again finds its imported images as it left them.
+pub(super) fn check_turns(plan: &Plan, description: &Description) -> Result<()> {
+    for End { resource, state } in &plan.ends {
+        let Resource { name, shape: Shape::Image(_), origin: Origin::Imported { before, .. } } =
+            &description.resources[resource.0 as usize]
+        else {
+            continue;
+        };
+        let [arrives, left] = [before.layout, state.access.layout];
+        if arrives != vk::ImageLayout::UNDEFINED && arrives != left {
+            let why = format!("arrives as {arrives:?} and is left as {left:?}: import it with `after` as it arrives");
+            return Err(Error::invalid(format!("import `{name}` of a prepared frame"), why));
+        }
+    }
+    Ok(())
+}
+
 /// What the planner asks of a device.
 impl DeviceModel for Gpu {
     /// One queue does everything: a second one pays off only where the device has it, and no software driver does.
@@ -78,6 +126,10 @@ impl DeviceModel for Gpu {
 
     fn image_usages(&self, format: vk::Format) -> vk::ImageUsageFlags {
         Gpu::image_usages(self, format)
+    }
+
+    fn most_at_once(&self) -> u64 {
+        self.caps().limits.max_allocation_size
     }
 
     fn granularity(&self) -> u64 {

@@ -111,9 +111,10 @@ fn render(
     let stencil = attachments.stencil.as_ref().map(info).transpose()?;
     let area = record::Area { size: attachments.size, layers: attachments.layers, view_mask };
     record::begin_rendering(device, commands, &color, [depth.as_ref(), stencil.as_ref()], area);
-    let drawn = draw(&mut Recorder::new(device, commands, programs));
+    let mut recorder = Recorder::new(device, commands, programs);
+    let drawn = draw(&mut recorder);
     record::end_rendering(device, commands);
-    drawn
+    drawn.and_then(|()| recorder.finish())
 }
 
 /// Adds Vulkan's barriers from the plan's, as a batch.

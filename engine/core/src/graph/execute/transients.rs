@@ -48,7 +48,21 @@ impl Transients {
         named: bool,
         into: &mut Resources,
     ) -> Result<()> {
-        // 1. Heaps.
+        // 1. Heaps. What the device cannot make at all has no memory type, and says why.
+        let impossible = |placement: &&Placement| plan.heaps[placement.heap].type_bits == 0;
+        for placement in plan.placements.iter().filter(impossible) {
+            let index = placement.resource.0 as usize;
+            let Resource { name, shape, .. } = &description.resources[index];
+            match (shape, plan.usages[index]) {
+                (Shape::Image(shape), Some(Usage::Image(usage))) => {
+                    gpu.image_requirements(&image_info(name, shape, usage))?
+                }
+                (&Shape::Buffer { size }, Some(Usage::Buffer(usage))) => {
+                    gpu.buffer_requirements(&BufferInfo { name, size, usage, memory: Memory::Device })?
+                }
+                _ => continue,
+            };
+        }
         for (index, heap) in plan.heaps.iter().enumerate() {
             let wanted = Requirements { size: heap.size, alignment: heap.alignment, type_bits: heap.type_bits };
             self.heap(gpu, index, wanted)?;
@@ -60,16 +74,20 @@ impl Transients {
             }
         }
         // 3. What lies in the heaps.
-        self.frame += 1;
         for placement in &plan.placements {
             let index = placement.resource.0 as usize;
             if let Some(usage) = plan.usages[index] {
                 into.0[index] = self.place(gpu, placement, &description.resources[index], usage, named)?;
             }
         }
-        let frame = self.frame;
-        self.made.retain(|_, made| made.last_used + KEPT_FRAMES > frame);
         Ok(())
+    }
+
+    /// Begins a frame: what none of the last ones has used goes.
+    pub(super) fn begin_frame(&mut self) {
+        self.frame += 1;
+        let frame = self.frame;
+        self.made.retain(|_, made| made.last_used + KEPT_FRAMES >= frame);
     }
 
     /// The heap kept for this place where it fits, else a new one.

@@ -53,12 +53,23 @@ impl<'g, 'f> ComputePass<'g, 'f> {
     /// Runs the shader over at least `invocations`, rounded up to whole workgroups.
     pub fn dispatch(self, invocations: [u32; 3]) {
         let size = self.shader.workgroup;
-        let groups = std::array::from_fn(|axis| invocations[axis].div_ceil(size[axis].max(1)));
+        let groups: [u32; 3] = std::array::from_fn(|axis| invocations[axis].div_ceil(size[axis].max(1)));
+        let most = self.graph.caps.limits.max_compute_workgroup_count;
+        if groups.iter().zip(most).any(|(&groups, most)| groups > most && most > 0) {
+            let wrong = format!("{groups:?} workgroups are dispatched");
+            let allowed = format!("at most {most:?} on this device: put them into rows along y");
+            self.graph.mistake(Some(&self.collected.name), None, wrong, allowed);
+        }
         self.finish(Groups::Direct(groups));
     }
 
     /// Runs as many workgroups as three `u32` at `offset` of a buffer say.
     pub fn dispatch_indirect(self, groups: &BufferHandle, offset: u64) {
+        if !offset.is_multiple_of(4) || offset.checked_add(12).is_none_or(|end| end > groups.size()) {
+            let wrong = format!("12 bytes at {offset} of {} are dispatched", groups.size());
+            let allowed = "three u32 within the buffer, at a multiple of 4".into();
+            self.graph.mistake(Some(&self.collected.name), Some("indirect dispatch"), wrong, allowed);
+        }
         let used = self.graph.used("indirect dispatch", groups, Access::indirect());
         self.graph.uses.push(used);
         self.finish(Groups::Indirect(groups.resource, offset));

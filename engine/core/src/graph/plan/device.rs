@@ -18,6 +18,11 @@ pub trait DeviceModel {
     /// `bufferImageGranularity`: a buffer and an image never share a block of so many bytes. At least 1.
     fn granularity(&self) -> u64;
 
+    /// `maxMemoryAllocationSize`: no heap is larger.
+    fn most_at_once(&self) -> u64 {
+        u64::MAX
+    }
+
     /// Image usages that the format allows with optimal tiling.
     fn image_usages(&self, _format: vk::Format) -> vk::ImageUsageFlags {
         vk::ImageUsageFlags::from_raw(!0)

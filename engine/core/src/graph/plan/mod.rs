@@ -136,6 +136,7 @@ fn plan_chosen(description: &Description, chosen: Chosen, device: &dyn DeviceMod
             unaliased_bytes: placed.unaliased,
             ..Statistics::default()
         },
+        fingerprint: 0,
     };
     attach(&mut plan, &context, &pending);
     show_host(&mut plan);

@@ -31,6 +31,8 @@ pub struct Plan {
     pub ends: Vec<End>,
     /// Figures.
     pub statistics: Statistics,
+    /// Of the description that a graph was compiled from: with another one it is not executed.
+    pub fingerprint: u64,
 }
 
 /// One thing to record.

@@ -46,7 +46,9 @@ pub(super) fn place(
     lifetimes: &Lifetimes,
 ) -> Placed {
     let mut placed = Placed::default();
-    for (type_bits, resources) in by_memory_type(requirements, lifetimes) {
+    let mut groups = by_memory_type(requirements, lifetimes);
+    groups.reverse();
+    while let Some((type_bits, mut resources)) = groups.pop() {
         let items = items(description, device.granularity(), requirements, lifetimes, &resources);
         let lower_bound = lower_bound(&items);
         let blocks: Vec<Block> = items.iter().map(|item| item.block).collect();
@@ -54,6 +56,18 @@ pub(super) fn place(
         let offsets = pack(&blocks, lower_bound, (!lifetimes.one_queue()).then_some(&conflict));
         let heap = placed.heaps.len();
         let end = items.iter().zip(&offsets).map(|(item, offset)| offset + item.block.size).max().unwrap_or(0);
+        // More than the device allocates at once becomes two heaps, each of about half of the bytes.
+        if end > device.most_at_once() && resources.len() > 1 {
+            let half = items.iter().map(|item| item.bytes).sum::<u64>() / 2;
+            let mut before = 0;
+            let first = items.iter().take_while(|item| {
+                before += item.bytes;
+                before <= half
+            });
+            let rest = resources.split_off(first.count().clamp(1, items.len() - 1));
+            groups.extend([(type_bits, rest), (type_bits, resources)]);
+            continue;
+        }
         let alignment = items.iter().map(|item| item.block.alignment).max().unwrap_or(1);
         placed.heaps.push(Heap { size: end, alignment, type_bits });
         placed.lower_bound += lower_bound;

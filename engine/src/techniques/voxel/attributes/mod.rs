@@ -70,8 +70,8 @@ impl Attributes {
             graph.fill(format!("voxel.{name}.clear"), sums, 0)
         });
         let scales =
-            scales(scene, surface::triangle_starts(scene, surface::Surfaces::All).last().copied().unwrap_or(0));
-        let sums = sum(graph, scene, voxels, &firsts, sums, &scales);
+            scales(scene, surface::triangle_starts(scene, surface::Surfaces::All)?.last().copied().unwrap_or(0));
+        let sums = sum(graph, scene, voxels, &firsts, sums, &scales)?;
         // 3. Averages.
         let [albedo, normals, emission] =
             ["albedo", "normals", "emission"].map(|name| records(graph, &told, format!("voxel.{name}"), 16));
@@ -104,12 +104,12 @@ fn sum<'f>(
     firsts: &BufferHandle,
     [weights, albedo, normals, emission]: [BufferHandle; 4],
     scales: &blocks::AttributeScales,
-) -> [BufferHandle; 4] {
+) -> Result<[BufferHandle; 4]> {
     let texture_sets = scene.draws.texture_sets(&[DrawClass::Opaque, DrawClass::Masked, DrawClass::Blend]);
     let program = Program::new(&sum_vert::SHADER, Some(&sum_frag::SHADER)).set_layout(1, &scene.material_layout);
     let programs = texture_sets.iter().map(|&set| program.clone().constant(sum_frag::TEXTURES, set)).collect();
     let mut pass = graph.raster("voxel.attributes", programs);
-    cover::bind(&mut pass, scene, &voxels.grid, voxels.axis);
+    cover::bind(&mut pass, scene, &voxels.grid, voxels.axis)?;
     pass.uniform(sum_frag::SCALES, scales)
         .constant(sum_frag::ALPHA_VERTICES, &scene.alpha_attributes)
         .constant(sum_frag::SHADING_VERTICES, &scene.shading_attributes)
@@ -129,7 +129,7 @@ fn sum<'f>(
         }
         Ok(())
     });
-    [weights, albedo, normals, emission]
+    Ok([weights, albedo, normals, emission])
 }
 
 /// Units of the sums. A triangle has one part in a voxel, of at most √2 squares of its edge: with so many triangles, no sum
