@@ -18,7 +18,7 @@ layout(push_constant, scalar) uniform MarchPush {
     uint coarsest; // level of the pyramid; 0: voxels alone
 };
 layout(set = 0, binding = 1, scalar) uniform PyramidLevels {
-    uint level_begins[11]; // words
+    uint level_begins[12]; // words
 };
 layout(set = 0, binding = 2, scalar) readonly buffer Bits {
     uint bits[];

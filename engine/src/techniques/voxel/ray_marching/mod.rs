@@ -71,7 +71,7 @@ impl RayMarching {
     ) -> BufferHandle {
         let count = (segments.size() / size_of::<Segment>() as u64) as u32;
         let blocked = graph.buffer("voxel.blocked", 4 * u64::from(count.max(1)));
-        let mut level_begins = [0; 11];
+        let mut level_begins = [0; 12];
         for (begin, level) in level_begins.iter_mut().zip(pyramid.levels()) {
             *begin = level.begin;
         }
