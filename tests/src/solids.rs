@@ -249,7 +249,8 @@ pub fn colored(attributes: &VoxelAttributes) -> Picture {
     Picture { exposure: 1.3, ..lit(attributes.voxels(), albedo) }
 }
 
-fn lit(voxels: &Voxels, color: impl Fn([u32; 3]) -> [f32; 3]) -> Picture {
+/// The same in any colours.
+pub fn lit(voxels: &Voxels, color: impl Fn([u32; 3]) -> [f32; 3]) -> Picture {
     let [nx, ny, nz] = voxels.grid().size();
     let depth = |x: u32, y: u32| (0..nz).rev().find(|&z| voxels.get([x, y, z]));
     let scale = if nx > 300 { 1 } else { 3 };

@@ -11,6 +11,7 @@ use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::GpuScene;
 use shadowgraph::techniques::voxel::attributes::{Attributes, VoxelAttributes};
 use shadowgraph::techniques::voxel::bitmask::Bitmask;
+use shadowgraph::techniques::voxel::bricks::{Bricks, Surface};
 use shadowgraph::techniques::voxel::conservative::Conservative;
 use shadowgraph::techniques::voxel::six_separating::SixSeparating;
 use shadowgraph::techniques::voxel::stencil::Stencil;
@@ -81,6 +82,9 @@ pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
     if arguments.attributes && !format.holds_attributes() {
         return Err(Failure::input("--attributes is for files that hold them: .vox and .exr"));
     }
+    if is_in_bricks(arguments) {
+        check_bricks(arguments, format)?;
+    }
     // 1. A scene of closed surfaces, or a warning where solids are wanted.
     let scene = session::scene(&arguments.scene)?;
     let open_meshes: Vec<_> = scene.open_meshes().iter().map(|&(name, edges)| (name.to_string(), edges)).collect();
@@ -132,6 +136,28 @@ pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
     }
     let set = description.set;
     print(format!("wrote {} and {}: {set} of {x}×{y}×{z} voxels are set", path.display(), beside.display()))
+}
+
+/// Most voxels an axis that are found as a whole.
+const MOST_WHOLE: u32 = 1024;
+
+fn is_in_bricks(arguments: &VoxelizeArguments) -> bool {
+    arguments.resolution.0.into_iter().any(|n| n > MOST_WHOLE)
+}
+
+/// What is not for so many voxels.
+fn check_bricks(arguments: &VoxelizeArguments, format: VoxelFormat) -> Result<()> {
+    let refused = |what: &str| Err(Failure::input(format!("more than {MOST_WHOLE} voxels an axis are for {what}")));
+    if arguments.method.is_solid() {
+        return refused("surfaces: --method conservative and six-separating");
+    }
+    if arguments.attributes {
+        return refused("voxels without --attributes");
+    }
+    match format {
+        VoxelFormat::PackedNpy | VoxelFormat::Binvox | VoxelFormat::Vox | VoxelFormat::Png => Ok(()),
+        VoxelFormat::Npy | VoxelFormat::Exr | VoxelFormat::Glb => refused(".vox, .binvox, .packed.npy and .png files"),
+    }
 }
 
 /// As the command line has it.
@@ -187,6 +213,16 @@ fn voxelize(arguments: &VoxelizeArguments, gpu: &Gpu, scene: &GpuScene) -> Resul
     let is_xor = method == VoxelMethod::Bitmask || arguments.rule == Some(RuleName::EvenOdd);
     let rule = if is_xor { FillRule::EvenOdd } else { FillRule::NonZero };
     let mut graph = Graph::new("voxelize", gpu.caps());
+    if is_in_bricks(arguments) {
+        let thin = method == VoxelMethod::SixSeparating;
+        let surface = if thin { Surface::SixSeparating } else { Surface::Conservative };
+        Bricks { surface }.record(&mut graph, scene, &grid)?.capture(&mut graph);
+        let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
+        let executed = Executor::new(gpu).execute(&plan, graph)?;
+        let voxels = Voxels::read_bricks(&executed, &grid)?;
+        let (seconds, bytes) = (began.elapsed().as_secs_f64(), voxels.memory());
+        return Ok(Found { voxels, attributes: None, leaks: None, seconds, bytes });
+    }
     // 1. The voxels, along one axis or by the vote of three; columns that leak.
     let vote = Vote { rule };
     let leaks = method.is_solid().then(|| vote.leaks(&mut graph, scene, &grid));
