@@ -135,17 +135,24 @@ void add(uint place, float area, Attributes found) {
 void main() {
     Row row = fragment_row();
     float whole = 0.5 * length(row.triangle.normal);
-    for (int k = row.part.x; k <= row.part.y; ++k) {
-        ivec3 voxel = row.voxel;
-        voxel[row.axis] = k;
-        uint word = word_index(uvec2(voxel.xy), uint(voxel.z) / 32u);
-        uint bit = 1u << (uint(voxel.z) % 32u);
-        uint set = bits[word];
-        if ((set & bit) != 0u && makes_up(row.triangle, voxel)) {
+    for (int first = row.part.x; first <= row.part.y; first += 32) {
+        // 1. Which voxels of the row count: what follows is too much to be done for the others.
+        uint found = 0u;
+        for (int k = first; k <= min(first + 31, row.part.y); ++k) {
+            ivec3 voxel = row.voxel;
+            voxel[row.axis] = k;
+            uint set = bits[word_index(uvec2(voxel.xy), uint(voxel.z) / 32u)] >> (uint(voxel.z) % 32u) & 1u;
+            found |= (set & uint(makes_up(row.triangle, voxel))) << (k - first);
+        }
+        // 2. What the triangle adds to each.
+        while (found != 0u) {
+            ivec3 voxel = row.voxel;
+            voxel[row.axis] = first + findLSB(found);
+            found &= found - 1u;
             Part part = part_in(corner_a, corner_b, corner_c, voxel);
-            float share = whole > 0.0 ? min(part.area / whole, 1.0) : 0.0;
-            uint place = firsts[word] + bitCount(set & (bit - 1u));
-            add(place, part.area, attributes_at(part.middle, share));
+            uint word = word_index(uvec2(voxel.xy), uint(voxel.z) / 32u);
+            uint below = bits[word] & ((1u << (uint(voxel.z) % 32u)) - 1u);
+            add(firsts[word] + bitCount(below), part.share * whole, attributes_at(part.middle, part.share));
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Bits of a grid on the host.
 
+use std::rc::Rc;
+
 use super::bricks::{BRICK, BRICK_WORDS};
 use super::{Axis, Grid};
 use crate::graph::{Capture, Executed};
@@ -128,15 +130,27 @@ impl Voxels {
 
     /// Those that are set, in the order `[z][y][x]`.
     pub fn set(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
-        let may_hold = |first: [u32; 3]| match &self.store {
+        let [width, height, depth] = self.grid.size();
+        let layers = (0..depth).step_by(BRICK as usize).flat_map(move |first| {
+            // Where along each row of bricks some are.
+            let starts = |y: u32| (0..width).step_by(BRICK as usize).filter(move |&x| self.may_hold([x, y, first]));
+            let rows: Rc<[Vec<u32>]> = (0..height).step_by(BRICK as usize).map(|y| starts(y).collect()).collect();
+            let slices = (first..depth.min(first + BRICK)).flat_map(move |z| (0..height).map(move |y| [y, z]));
+            slices.flat_map(move |[y, z]| {
+                let (rows, row) = (rows.clone(), (y / BRICK) as usize);
+                let runs = (0..rows[row].len()).map(move |run| rows[row][run]);
+                runs.flat_map(move |x| (x..width.min(x + BRICK)).map(move |x| [x, y, z]))
+            })
+        });
+        layers.filter(|&voxel| self.get(voxel))
+    }
+
+    /// Whether there is a brick that holds a voxel.
+    fn may_hold(&self, voxel: [u32; 3]) -> bool {
+        match &self.store {
             Store::Columns { .. } => true,
-            Store::Bricks { coarse, .. } => coarse.get(first.map(|i| i / BRICK)),
-        };
-        let width = self.grid.size()[0];
-        let rows = self.grid.rows().flat_map(move |row| row.step_by(BRICK as usize));
-        let runs = rows.filter(move |&first| may_hold(first));
-        let voxels = runs.flat_map(move |[x, y, z]| (x..width.min(x + BRICK)).map(move |x| [x, y, z]));
-        voxels.filter(|&voxel| self.get(voxel))
+            Store::Bricks { coarse, .. } => coarse.get(voxel.map(|i| i / BRICK)),
+        }
     }
 
     /// A byte a voxel, 1 where it is set, in the order `[z][y][x]`.
