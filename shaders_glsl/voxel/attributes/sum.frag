@@ -10,6 +10,8 @@
 
 layout(location = 3) flat in uvec4 vertices; // of the triangle; its instance
 
+layout(constant_id = 1) const bool EMITS = true; // anything in the scene
+
 layout(push_constant, scalar) uniform AttributesPush {
     uint is_opaque; // alpha does not count
 };
@@ -102,7 +104,7 @@ Attributes attributes_at(vec3 middle, float share) {
     found.normal = normal;
 
     found.emission = vec3(0.0);
-    if (scales.greatest_emission > 0.0) {
+    if (EMITS) {
         found.emission = material.emissive / scales.greatest_emission;
         if (has_texture(TEXTURE_EMISSIVE)) {
             found.emission *= SAMPLE(TEXTURE_EMISSIVE, emissive_texture).rgb;
@@ -126,7 +128,7 @@ void add(uint place, float area, Attributes found) {
     for (uint i = 0u; i < 3u; ++i) {
         ADD(albedo_sums, 3u * place + i, seen, albedo[i])
         ADD(normal_sums, 3u * place + i, seen, normal[i])
-        if (emission[i] != 0u) {
+        if (EMITS) {
             ADD(emission_sums, 3u * place + i, seen, emission[i])
         }
     }

@@ -104,7 +104,9 @@ fn sum<'f>(
     scales: &blocks::AttributeScales,
 ) -> [BufferHandle; 4] {
     let texture_sets = scene.draws.texture_sets(&[DrawClass::Opaque, DrawClass::Masked, DrawClass::Blend]);
-    let program = Program::new(&sum_vert::SHADER, Some(&sum_frag::SHADER)).set_layout(1, &scene.material_layout);
+    let program = Program::new(&sum_vert::SHADER, Some(&sum_frag::SHADER))
+        .set_layout(1, &scene.material_layout)
+        .constant(sum_frag::EMITS, scales.greatest_emission > 0.0);
     let programs = texture_sets.iter().map(|&set| program.clone().constant(sum_frag::TEXTURES, set)).collect();
     let mut pass = graph.raster("voxel.attributes", programs);
     cover::bind(&mut pass, scene, &voxels.grid, voxels.axis, 0.0);
