@@ -125,7 +125,7 @@ fn voxel_bricks_with_a_seeded_mistake_is_caught() {
 }
 
 #[test]
-fn what_touches_bricks_from_outside_is_found() {
+fn portable_what_touches_bricks_from_outside_is_found() {
     let gpu = shared();
     // A square on a plane between bricks, one that nearly touches it, and one beside the grid.
     let square = |corner: Vec3| (tiny::quad(corner, Vec3::X * 20.0, Vec3::Y * 20.0, 0), Mat4::IDENTITY);

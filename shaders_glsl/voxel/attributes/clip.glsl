@@ -20,8 +20,8 @@ vec3 nearest(vec3 a, vec3 b, vec3 c) {
 }
 
 // By Sutherland and Hodgman 1974, "Reentrant Polygon Clipping". `a`, `b`, `c`: corners, column coordinates. Corners of the
-// part are weights of `b` and `c`: the whole triangle has an area of one half in them. Loops over corners have a fixed
-// end, and each lane takes the planes it crosses: a software driver runs what any lane does for all.
+// part are weights of `b` and `c`: the whole triangle has an area of one half in them. Each lane takes the planes it crosses,
+// since a software driver runs what any lane does for all.
 Part part_in(vec3 a, vec3 b, vec3 c, ivec3 voxel) {
     a = from_center(a, voxel);
     b = from_center(b, voxel);
@@ -49,19 +49,17 @@ Part part_in(vec3 a, vec3 b, vec3 c, ivec3 voxel) {
         int kept_count = 0;
         vec2 here = corners[0];
         float inside = start + dot(slope, here);
-        for (int i = 0; i + 1 < MOST_CORNERS; ++i) {
-            if (i < count) {
-                vec2 next = i + 1 < count ? corners[i + 1] : corners[0];
-                float next_inside = start + dot(slope, next);
-                if (inside >= 0.0) {
-                    kept[min(kept_count++, MOST_CORNERS - 1)] = here;
-                }
-                if ((inside >= 0.0) != (next_inside >= 0.0)) {
-                    kept[min(kept_count++, MOST_CORNERS - 1)] = mix(here, next, inside / (inside - next_inside));
-                }
-                here = next;
-                inside = next_inside;
+        for (int i = 0; i < count; ++i) {
+            vec2 next = corners[i + 1 < count ? i + 1 : 0];
+            float next_inside = start + dot(slope, next);
+            if (inside >= 0.0) {
+                kept[min(kept_count++, MOST_CORNERS - 1)] = here;
             }
+            if ((inside >= 0.0) != (next_inside >= 0.0)) {
+                kept[min(kept_count++, MOST_CORNERS - 1)] = mix(here, next, inside / (inside - next_inside));
+            }
+            here = next;
+            inside = next_inside;
         }
         corners = kept;
         count = min(kept_count, MOST_CORNERS);
@@ -70,20 +68,17 @@ Part part_in(vec3 a, vec3 b, vec3 c, ivec3 voxel) {
     Part part = Part(0.0, vec3(0.0));
     vec2 sum = vec2(0.0);
     vec2 mean = vec2(0.0);
-    for (int i = 0; i < MOST_CORNERS; ++i) {
-        if (i < count) {
-            mean += corners[i] / float(count);
-            if (i > 1) {
-                vec2 first = corners[i - 1] - corners[0];
-                vec2 second = corners[i] - corners[0];
-                float share = abs(first.x * second.y - first.y * second.x);
-                part.share += share;
-                sum += share * (corners[0] + corners[i - 1] + corners[i]) / 3.0;
-            }
-        }
+    vec2 last = vec2(0.0);
+    for (int i = 0; i < count; ++i) {
+        vec2 corner = corners[i] - corners[0];
+        float share = abs(last.x * corner.y - last.y * corner.x);
+        part.share += share;
+        sum += share * (last + corner) / 3.0;
+        mean += corner / float(count);
+        last = corner;
     }
     // What only touches has no area: its corners' middle, or where nothing is left the place nearest to the voxel.
-    vec2 middle = part.share > 0.0 ? sum / part.share : mean;
+    vec2 middle = corners[0] + (part.share > 0.0 ? sum / part.share : mean);
     part.middle = count == 0 ? nearest(a, b, c) : vec3(1.0 - middle.x - middle.y, middle);
     return part;
 }

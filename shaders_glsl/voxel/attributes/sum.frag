@@ -84,7 +84,7 @@ Attributes attributes_at(vec3 middle, float share) {
     uint corners[3] = uint[](vertices.x, vertices.y, vertices.z);
     vec3 normal = vec3(0.0);
     vec3 tangent = vec3(0.0);
-    for (int i = 0; i < 3; ++i) {
+    for (uint i = 0u; i < scales.channels; ++i) {
         ShadingVertex vertex = shading_vertices[corners[i]];
         vec3 n = transform_normal(instance, vertex.normal);
         normal += middle[i] * n * inversesqrt(max(dot(n, n), 1e-30));
@@ -125,7 +125,7 @@ void add(uint place, float area, Attributes found) {
     uvec3 albedo = uvec3(round(clamp(found.albedo, 0.0, 1.0) * ONE));
     uvec3 normal = uvec3(round(clamp(found.normal, -1.0, 1.0) * NORMAL_ONE) + NORMAL_ONE);
     uvec3 emission = uvec3(round(clamp(found.emission, 0.0, 1.0) * ONE));
-    for (uint i = 0u; i < 3u; ++i) {
+    for (uint i = 0u; i < scales.channels; ++i) {
         ADD(albedo_sums, 3u * place + i, seen, albedo[i])
         ADD(normal_sums, 3u * place + i, seen, normal[i])
         if (EMITS) {

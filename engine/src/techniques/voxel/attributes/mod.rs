@@ -139,5 +139,6 @@ fn scales(scene: &GpuScene, triangles: u32) -> blocks::AttributeScales {
     let weight_bits = WEIGHT_BITS.min(SUM_BITS - VALUE_BITS - triangle_bits);
     let emitted = scene.materials.iter().map(|material| material.emissive.max_element());
     let greatest = emitted.filter(|most| most.is_finite()).fold(0.0, f32::max);
-    blocks::AttributeScales { area_scale: f32::from(2_u16).powi(weight_bits as i32 - 1), greatest_emission: greatest }
+    let area_scale = f32::from(2_u16).powi(weight_bits as i32 - 1);
+    blocks::AttributeScales { area_scale, greatest_emission: greatest, channels: 3 }
 }
