@@ -14,6 +14,7 @@ struct Light {
     float cone_offset;
     int mask; // layer of the shadow masks, -1 without a shadow
     int shadow; // index among the lights its shadow technique serves, -1 without a shadow
+    int deep; // index among the lights with a deep shadow map, -1 without
 };
 
 const uint MAX_LIGHTS = 256u;

@@ -3,16 +3,20 @@
 
 // Which textures a pipeline samples, as bits: a software driver runs both sides of every branch, so a texture that a
 // material does not have is left out when the pipeline is made.
-layout(constant_id = 0) const uint TEXTURES = 31u;
+layout(constant_id = 0) const uint TEXTURES = 63u;
 
 const uint TEXTURE_BASE_COLOR = 0u;
 const uint TEXTURE_METALLIC_ROUGHNESS = 1u;
 const uint TEXTURE_NORMAL = 2u;
 const uint TEXTURE_OCCLUSION = 3u;
 const uint TEXTURE_EMISSIVE = 4u;
+const uint TEXTURE_TRANSMISSION = 5u;
 
 // Bit k of `flags`: texture k is there; bit k + 8: it uses the second texture coordinates.
 const uint MATERIAL_UNLIT = 1u << 16;
+const uint MATERIAL_PREMULTIPLIED = 1u << 17; // base colour is multiplied by alpha
+const uint MATERIAL_ADD = 1u << 18; // hides nothing
+const uint MATERIAL_OPAQUE = 1u << 19; // alpha has no meaning
 
 layout(set = 1, binding = 5, scalar) uniform Material {
     vec4 base_color;
@@ -22,8 +26,9 @@ layout(set = 1, binding = 5, scalar) uniform Material {
     float normal_scale;
     float occlusion_strength;
     float alpha_cutoff;
-    vec3 uv_rows[10]; // two rows a texture, applied to (u, v, 1)
+    vec3 uv_rows[12]; // two rows a texture, applied to (u, v, 1)
     uint flags;
+    float transmission;
 } material;
 
 layout(set = 1, binding = 0) uniform sampler2D base_color_texture;
@@ -31,6 +36,7 @@ layout(set = 1, binding = 1) uniform sampler2D metallic_roughness_texture;
 layout(set = 1, binding = 2) uniform sampler2D normal_texture;
 layout(set = 1, binding = 3) uniform sampler2D occlusion_texture;
 layout(set = 1, binding = 4) uniform sampler2D emissive_texture;
+layout(set = 1, binding = 6) uniform sampler2D transmission_texture;
 
 bool has_texture(uint slot) {
     return (TEXTURES & (1u << slot)) != 0u && (material.flags & (1u << slot)) != 0u;

@@ -9,6 +9,7 @@ struct Surface {
     float metallic;
     float occlusion; // 1 is open
     vec3 emissive; // cd/m²
+    float transmission;
     bool unlit;
 };
 
@@ -16,7 +17,7 @@ Surface material_surface(vec2 uv0, vec2 uv1, vec4 color, vec3 normal, vec4 tange
     Surface surface;
     vec4 base = material_base_color(uv0, uv1, color);
     surface.albedo = base.rgb;
-    surface.alpha = base.a;
+    surface.alpha = (material.flags & MATERIAL_OPAQUE) != 0u ? 1.0 : base.a;
     surface.unlit = (material.flags & MATERIAL_UNLIT) != 0u;
 
     surface.roughness = material.roughness;
@@ -50,6 +51,12 @@ Surface material_surface(vec2 uv0, vec2 uv1, vec4 color, vec3 normal, vec4 tange
     if (has_texture(TEXTURE_EMISSIVE)) {
         vec2 uv = texture_coordinates(TEXTURE_EMISSIVE, uv0, uv1);
         surface.emissive *= texture(emissive_texture, uv).rgb;
+    }
+
+    surface.transmission = material.transmission;
+    if (has_texture(TEXTURE_TRANSMISSION)) {
+        vec2 uv = texture_coordinates(TEXTURE_TRANSMISSION, uv0, uv1);
+        surface.transmission *= texture(transmission_texture, uv).r;
     }
     return surface;
 }

@@ -2,5 +2,5 @@
 #include "common/surface_fragment.glsl"
 
 float forward_alpha() {
-    return fragment_surface().alpha;
+    return (material.flags & MATERIAL_ADD) != 0u ? 0.0 : fragment_surface().alpha;
 }

@@ -1,7 +1,7 @@
 //! A captured frame against the twins, layer by layer.
 
 use glam::DVec3;
-use shadowgraph::scene::{AlphaMode, Light, View};
+use shadowgraph::scene::{Light, View};
 
 use crate::compare::{Comparison, degrees, relative};
 use crate::exr_file::Part;
@@ -9,7 +9,7 @@ use crate::twin::brdf::Material;
 use crate::twin::camera::{Camera, Picture, Pixel, Tolerance, cast};
 use crate::twin::lighting::{self, Sample};
 use crate::twin::scene::Scene;
-use crate::twin::shadow;
+use crate::twin::{shadow, transmittance};
 
 const NEAR_EDGE: &str = "near an edge";
 const RGB: [&str; 3] = ["R", "G", "B"];
@@ -104,6 +104,38 @@ impl<'a> Judge<'a> {
         comparison
     }
 
+    /// Layers `transmittance.<light>`, where the light reaches a surface on which camera and ray caster agree: largest
+    /// difference of a channel. `texel` as in [`Judge::shadow`]; left out is what changes by more than `tolerance` within
+    /// two texels.
+    pub fn transmittance(
+        &self,
+        light: &Light,
+        texel: impl Fn(&Pixel) -> f64,
+        offset: f64,
+        tolerance: f64,
+    ) -> Comparison {
+        let layer = format!("transmittance.{}", light.name);
+        let found = self.part.vectors(&format!("{layer}."), RGB);
+        let (objects, triangles) = (self.part.uints("id.object"), self.part.uints("id.primitive"));
+        let casters = transmittance::casters(self.scene.source);
+        let casters = Scene::new(&casters).seeing_blended();
+        let receivers = self.picture.receivers(texel);
+        let seen = transmittance::cast(&casters, light, &receivers, self.view.size[0], offset, tolerance);
+        let mut comparison = Comparison::new(format!("{}: {layer}", self.name), self.view.size, tolerance);
+        for (i, (pixel, seen)) in self.picture.pixels.iter().zip(seen).enumerate() {
+            let (Some(surface), Some(seen)) = (&pixel.surface, seen) else { continue };
+            if !seen.reached || surface.ids[..2] != [objects[i], triangles[i]] {
+                continue;
+            }
+            if seen.near_edge {
+                comparison.leave_out(i, "near an edge of glass");
+            } else {
+                comparison.error(i, (found[i] - seen.through).abs().max_element());
+            }
+        }
+        comparison
+    }
+
     /// Layer `direct` times `1 / exposure`, against the BRDF of the captured G-buffer under lights with their captured
     /// shadow masks (1 where a light has none): distance over the expected length, 1e-3. The length counts as at least
     /// 1e-3 of the mean, for what is almost black. Surfaces of unlit materials are passed over.
@@ -136,7 +168,7 @@ impl<'a> Judge<'a> {
 
         let is_lit = |i: usize| {
             let material = (materials[i] as usize).checked_sub(1).and_then(|k| source.materials.get(k));
-            material.is_some_and(|m| !m.unlit && m.alpha_mode != AlphaMode::Blend)
+            material.is_some_and(|m| !m.unlit && !m.is_blended())
         };
         let expected = |i: usize| -> DVec3 {
             let material =

@@ -11,6 +11,7 @@ pub mod figures;
 pub mod harness;
 pub mod hazard;
 pub mod judge;
+pub mod marched;
 pub mod packing;
 pub mod panes;
 pub mod parallel;

@@ -1,9 +1,9 @@
 //! Panes of blended materials, shaded and composited on the host: layers are cast one by one.
 
-use glam::{DVec4, Mat4, Quat, Vec3, Vec4};
+use glam::{DVec3, DVec4, Mat3, Mat4, Quat, Vec3, Vec4};
 use shadowgraph::frame::FrameSettings;
 use shadowgraph::gpu::Gpu;
-use shadowgraph::scene::{AlphaMode, Camera as Lens, Light, LightKind, Material, Scene as Source};
+use shadowgraph::scene::{AlphaMode, Camera as Lens, Light, LightKind, Material, Scene as Source, TextureSlot};
 
 use crate::compare::Comparison;
 use crate::exr_file::Part;
@@ -53,6 +53,23 @@ pub fn panes(unlit: bool) -> Subject {
     Subject::new(scene, SIZE)
 }
 
+/// The same, lit, of glass that multiplies what lies behind: with alpha, without, and textured.
+pub fn glass() -> Subject {
+    panes(false).changed(|subject| {
+        for (material, transmission) in subject.scene.materials[1..].iter_mut().zip([0.9, 0.6, 1.0, 0.8]) {
+            material.transmission = transmission;
+        }
+        subject.scene.materials[2].alpha_mode = AlphaMode::Opaque;
+        // Half of it by a texture.
+        subject.scene.textures.push(tiny::texel("half", [128, 0, 255, 255]));
+        let slot = TextureSlot { texture: 0, uv_set: 0, transform: Mat3::IDENTITY };
+        subject.scene.materials[4].transmission_texture = Some(slot);
+        subject.scene.materials[3].base_color.w = 1.0;
+        subject.name = "panes of glass, lit".into();
+        subject.scene.name = subject.name.clone();
+    })
+}
+
 /// The picture of a subject, with what `change` does to its settings.
 pub fn capture(gpu: &Gpu, subject: &Subject, change: impl FnOnce(&mut FrameSettings)) -> Part {
     let settings = |settings: &mut FrameSettings| {
@@ -62,18 +79,15 @@ pub fn capture(gpu: &Gpu, subject: &Subject, change: impl FnOnce(&mut FrameSetti
     subject.capture(gpu, settings).parts.remove(0)
 }
 
-/// A layer: premultiplied colour and distance of each pixel it covers, and where rounding may decide.
+/// A layer: distance, premultiplied colour and what is let through of each pixel it covers, and where rounding may decide.
 struct Layer {
-    texels: Vec<Option<(f64, DVec4)>>,
+    texels: Vec<Option<(f64, DVec3, DVec3)>>,
     near_edge: Vec<bool>,
 }
 
-/// The scene with a single object, opaque.
+/// The scene with a single object.
 fn alone(source: &Source, object: usize) -> Source {
-    let mut alone = source.clone();
-    alone.objects = vec![source.objects[object].clone()];
-    alone.materials.iter_mut().for_each(|material| material.alpha_mode = AlphaMode::Opaque);
-    alone
+    Source { objects: vec![source.objects[object].clone()], ..source.clone() }
 }
 
 /// Shades what a picture sees, under lights that only the opaque objects of `scene` hide.
@@ -95,7 +109,9 @@ fn shade(scene: &Scene, camera: &Camera, picture: &Picture) -> Layer {
             continue;
         };
         let source = &scene.source.materials[surface.ids[2] as usize - 1];
-        let albedo = surface.base_color.truncate();
+        // KHR_materials_transmission: what passes is not diffused. (No pane is of metal: albedo is the diffuse colour.)
+        let transmission = surface.transmission;
+        let albedo = surface.base_color.truncate() * (1.0 - transmission);
         let color = if source.unlit {
             albedo + surface.emissive
         } else {
@@ -115,7 +131,10 @@ fn shade(scene: &Scene, camera: &Camera, picture: &Picture) -> Layer {
             radiance(&sample, camera.toward_viewer(surface.position), lights, ENVIRONMENT.as_dvec3())
         };
         let alpha = if source.alpha_mode == AlphaMode::Blend { surface.base_color.w } else { 1.0 };
-        texels.push(Some((pixel.z, (color * alpha).extend(alpha))));
+        let to_eye = camera.toward_viewer(surface.position);
+        let fresnel = 0.04 + 0.96 * (1.0 - surface.normal.dot(to_eye).abs()).powi(5);
+        let passing = surface.base_color.truncate() * transmission * if source.unlit { 1.0 } else { 1.0 - fresnel };
+        texels.push(Some((pixel.z, color * alpha, DVec3::ONE - alpha * (DVec3::ONE - passing))));
     }
     Layer { texels, near_edge }
 }
@@ -131,18 +150,23 @@ pub fn compare(truth: &Subject, part: &Part) -> Check {
     let mut layers = vec![shade(&whole, &camera, &see(&whole))];
     for (k, object) in truth.scene.objects.iter().enumerate() {
         let material = truth.scene.meshes[object.mesh].primitives[0].material;
-        if truth.scene.materials[material].alpha_mode == AlphaMode::Blend {
+        if truth.scene.materials[material].is_blended() {
             let source = alone(&truth.scene, k);
-            layers.push(shade(&whole, &camera, &see(&Scene::new(&source))));
+            layers.push(shade(&whole, &camera, &see(&Scene::new(&source).seeing_blended())));
         }
     }
 
-    // 2. Back to front, behind nothing opaque
+    // 2. Front to back, up to the opaque surface
     let over = |i: usize| {
-        let opaque = layers[0].texels[i].map_or(f64::INFINITY, |(z, _)| z);
-        let mut hits: Vec<_> = layers.iter().filter_map(|l| l.texels[i]).filter(|(z, _)| *z <= opaque).collect();
-        hits.sort_by(|a, b| b.0.total_cmp(&a.0));
-        hits.iter().fold(DVec4::ZERO, |below, (_, c)| *c + below * (1.0 - c.w))
+        let opaque = layers[0].texels[i].map_or(f64::INFINITY, |(z, ..)| z);
+        let mut hits: Vec<_> = layers.iter().filter_map(|l| l.texels[i]).filter(|(z, ..)| *z <= opaque).collect();
+        hits.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (mut color, mut through) = (DVec3::ZERO, DVec3::ONE);
+        for (_, radiance, lets) in hits {
+            color += through * radiance;
+            through *= lets;
+        }
+        color.extend(1.0 - through.element_sum() / 3.0)
     };
     let expected: Vec<_> = (0..layers[0].texels.len()).map(over).collect();
 

@@ -4,7 +4,7 @@ use shadowgraph::techniques::transparency::OrderIndependent;
 use shadowgraph::techniques::transparency::abuffer::{ABuffer, Build, NodeFormat};
 
 use crate::device::{shared, silent};
-use crate::figures::Check;
+use crate::figures::{Check, Picture};
 use crate::soup::{Kitchen, Random, Soup};
 
 /// An A-buffer whose nodes round nothing: what is peeled is not stored either.
@@ -34,16 +34,30 @@ pub fn with_references(
     checks
 }
 
+/// For the page: the picture, and beside it how many layers each pixel has, of which a round peels `layers_a_round`.
+pub fn picture(peeling: &dyn OrderIndependent, layers_a_round: u32) -> Picture {
+    let mut kitchen = Kitchen::new(shared(), &Soup::shown());
+    let layers = kitchen.run(ABUFFER, false).unwrap_or_else(|error| panic!("{error}"));
+    let rounds = |count: f32| (count / layers_a_round as f32).ceil() / (layers.longest.div_ceil(layers_a_round)) as f32;
+    let rounds: Vec<_> = layers
+        .count
+        .iter()
+        .map(|&count| [rounds(count).powf(2.2), rounds(count).powf(2.2), rounds(count).powf(2.2), 1.0])
+        .collect();
+    let caption = format!(
+        "Triangles in front of each other, and how many rounds their pixels take (white: {})",
+        layers.longest.div_ceil(layers_a_round)
+    );
+    kitchen.side_by_side(peeling, &rounds, &caption)
+}
+
 /// Every order of draws gives the same bytes: equal depths too.
 pub fn orders_are_equal(peeling: &dyn OrderIndependent) {
     let mut random = Random::new(5);
     let mut kitchen = Kitchen::new(shared(), &Soup::coplanar([64, 64], 21));
     let first = composite(&mut kitchen, peeling, false);
     for run in 0..8 {
-        kitchen.reorder(|draws| {
-            random.shuffle(draws);
-            draws.sort_by_key(|draw| draw.class);
-        });
+        kitchen.shuffle(&mut random);
         assert!(composite(&mut kitchen, peeling, run % 2 == 1) == first, "run {run}");
     }
     silent(shared());

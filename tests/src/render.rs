@@ -59,9 +59,18 @@ impl Subject {
 
     /// With its blended materials opaque.
     pub fn without_blending(mut self) -> Self {
-        for material in self.scene.materials.iter_mut().filter(|m| m.alpha_mode == AlphaMode::Blend) {
+        for material in self.scene.materials.iter_mut().filter(|material| material.is_blended()) {
+            (material.alpha_mode, material.transmission) = (AlphaMode::Opaque, 0.0);
+        }
+        self
+    }
+
+    /// With its cut-out materials whole: voxels are of whole triangles.
+    pub fn without_cut_outs(mut self) -> Self {
+        for material in self.scene.materials.iter_mut().filter(|m| matches!(m.alpha_mode, AlphaMode::Mask { .. })) {
             material.alpha_mode = AlphaMode::Opaque;
         }
+        self.name += ", leaves whole";
         self
     }
 

@@ -1,6 +1,6 @@
 //! Soups of blended triangles whose vertices lie on the grid of 1/256 pixel, and what the A-buffer makes of them.
 
-use glam::{DVec4, Mat4, Vec3, Vec4};
+use glam::{DVec3, DVec4, Mat4, Vec3, Vec4};
 use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::{Executed, Executor, Graph, ImageHandle, ImageShape};
 use shadowgraph::scene::{AlphaMode, Draw, DrawList, GpuScene, Material, Scene, View, light_block};
@@ -13,7 +13,8 @@ use shadowgraph::techniques::transparency::forward::ForwardLights;
 use shadowgraph::techniques::transparency::fragments::Blended;
 
 use crate::compare::Comparison;
-use crate::figures::Check;
+use crate::device::shared;
+use crate::figures::{Check, Picture};
 use crate::tiny;
 use crate::twin::layers::{self, Fragment, GRID, close_call, composite};
 
@@ -37,7 +38,25 @@ pub struct Soup {
     pub triangles: Vec<Flat>,
     /// Triangles an object.
     pub per_object: usize,
+    /// What the objects are made of, in turn.
+    pub materials: Vec<Kind>,
 }
+
+/// What a triangle's colour means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Not premultiplied.
+    Blend,
+    /// Not premultiplied; most light that it does not hide passes and is multiplied by the colour.
+    Glass,
+    /// Premultiplied.
+    Premultiplied,
+    /// Not premultiplied, and added.
+    Add,
+}
+
+/// Of glass.
+const TRANSMISSION: f32 = 0.75;
 
 /// A triangle of one colour.
 #[derive(Clone, Copy, Debug)]
@@ -123,7 +142,12 @@ impl Soup {
         }
         random.shuffle(&mut all);
         let name = format!("soup of {triangles} triangles and {wide} rectangles");
-        Self { name, size, triangles: all, per_object: 1 }
+        Self { name, size, triangles: all, per_object: 1, materials: vec![Kind::Blend] }
+    }
+
+    /// Triangles for pictures.
+    pub fn shown() -> Self {
+        Self::random(31, [512, 256], 24, 0)
     }
 
     /// Planes that cut through each other, in both directions.
@@ -136,7 +160,13 @@ impl Soup {
             let depth = if plane % 2 == 0 { [a, b, a, b] } else { [a, a, b, b] };
             all.extend(rectangle([0, 0], far, depth, random.color()));
         }
-        Self { name: format!("{planes} planes through each other"), size, triangles: all, per_object: 2 }
+        Self {
+            name: format!("{planes} planes through each other"),
+            size,
+            triangles: all,
+            per_object: 2,
+            materials: vec![Kind::Blend],
+        }
     }
 
     /// Rectangles all at one depth, several an object.
@@ -149,7 +179,13 @@ impl Soup {
             let (low, high) = ([inset(far[0]), inset(far[1])], [far[0] - inset(far[0]), far[1] - inset(far[1])]);
             all.extend(rectangle(low, high, [0.5; 4], random.color()));
         }
-        Self { name: format!("{stack} rectangles at one depth"), size, triangles: all, per_object: 6 }
+        Self {
+            name: format!("{stack} rectangles at one depth"),
+            size,
+            triangles: all,
+            per_object: 6,
+            materials: vec![Kind::Blend],
+        }
     }
 
     /// With alphas of any value.
@@ -163,6 +199,13 @@ impl Soup {
     /// apart.
     pub fn thin(mut self, alpha: f32) -> Self {
         self.triangles.iter_mut().for_each(|triangle| triangle.color[3] = alpha);
+        self
+    }
+
+    /// Of these materials in turn.
+    pub fn made_of(mut self, materials: &[Kind]) -> Self {
+        self.materials = materials.to_vec();
+        self.name += &format!(", {materials:?}");
         self
     }
 
@@ -184,19 +227,26 @@ impl Soup {
     pub fn scene(&self) -> Scene {
         let mut scene = tiny::empty();
         scene.materials[0].unlit = true;
-        scene.materials.push(Material {
-            name: "blended".into(),
-            metallic: 0.0,
-            alpha_mode: AlphaMode::Blend,
-            double_sided: true,
-            unlit: true,
-            ..Material::default()
-        });
+        for kind in &self.materials {
+            scene.materials.push(Material {
+                name: format!("{kind:?}"),
+                metallic: 0.0,
+                transmission: if *kind == Kind::Glass { TRANSMISSION } else { 0.0 },
+                alpha_mode: match kind {
+                    Kind::Blend | Kind::Glass => AlphaMode::Blend,
+                    Kind::Premultiplied => AlphaMode::Premultiplied,
+                    Kind::Add => AlphaMode::Add,
+                },
+                double_sided: true,
+                unlit: true,
+                ..Material::default()
+            });
+        }
         let at = |[x, y]: [i64; 2], depth| Vec3::new(x as f32 / GRID as f32, y as f32 / GRID as f32, depth);
-        for object in self.triangles.chunks(self.per_object) {
+        for (index, object) in self.triangles.chunks(self.per_object).enumerate() {
             let corners: Vec<_> =
                 object.iter().map(|t| [0, 1, 2].map(|corner| at(t.corners[corner], t.depth[corner]))).collect();
-            let mut primitive = tiny::triangles(&corners, 1);
+            let mut primitive = tiny::triangles(&corners, 1 + index % self.materials.len());
             let colors = object.iter().flat_map(|t| [Vec4::from(t.color); 3]);
             primitive.colors = colors.collect();
             tiny::add(&mut scene, primitive, Mat4::IDENTITY);
@@ -226,11 +276,22 @@ impl Soup {
     /// What the twin has in each pixel, sorted: all that is before the opaque rectangle.
     pub fn fragments(&self) -> Vec<Vec<Fragment>> {
         let triangle = |(key, t): (usize, &Flat)| {
-            let [r, g, b, a] = t.color.map(f64::from);
+            let color = DVec4::from(t.color.map(f64::from));
+            let (rgb, a) = (color.truncate(), color.w);
+            let (rgb, through) = match self.materials[key / self.per_object % self.materials.len()] {
+                Kind::Blend => (rgb * a, layers::through_alpha(a)),
+                Kind::Glass => {
+                    let passing = f64::from(TRANSMISSION);
+                    (rgb * a * (1.0 - passing), DVec3::ONE - a * (DVec3::ONE - rgb * passing))
+                }
+                Kind::Premultiplied => (rgb, layers::through_alpha(a)),
+                Kind::Add => (rgb * a, DVec3::ONE),
+            };
             layers::Triangle {
                 corners: t.corners,
                 depth: t.depth.map(f64::from),
-                color: DVec4::new(r * a, g * a, b * a, a),
+                color: rgb.extend(1.0 - through.element_sum() / 3.0),
+                through,
                 key: key as u32,
             }
         };
@@ -320,6 +381,14 @@ impl<'g> Kitchen<'g> {
         self.scene.draws = DrawList::new(draws, Vec::new());
     }
 
+    /// Draws in any order, the opaque ones first.
+    pub fn shuffle(&mut self, random: &mut Random) {
+        self.reorder(|draws| {
+            random.shuffle(draws);
+            draws.sort_by_key(|draw| draw.class);
+        });
+    }
+
     /// Runs the A-buffer over it.
     pub fn run(&mut self, abuffer: ABuffer, pull_vertices: bool) -> shadowgraph::Result<Found> {
         let mut graph = Graph::new("soup", self.gpu.caps());
@@ -347,6 +416,15 @@ impl<'g> Kitchen<'g> {
         })
     }
 
+    /// The picture that a technique makes beside another one, for the pages.
+    pub fn side_by_side(&mut self, how: &dyn OrderIndependent, other: &[[f32; 4]], caption: &str) -> Picture {
+        let found = self.composite(how, false).unwrap_or_else(|error| panic!("{error}"));
+        let [width, height] = self.view.size.map(|side| side as usize);
+        let row = |y: usize| found[y * width..][..width].iter().chain(&other[y * width..][..width]);
+        let pixels = (0..height).flat_map(row).map(|&[r, g, b, _]| [r, g, b]).collect();
+        Picture { size: [2 * width as u32, height as u32], pixels, exposure: 0.9, caption: caption.into() }
+    }
+
     /// Runs any technique over it: the picture.
     pub fn composite(&mut self, how: &dyn OrderIndependent, pull: bool) -> shadowgraph::Result<Vec<[f32; 4]>> {
         let mut graph = Graph::new("soup", self.gpu.caps());
@@ -368,14 +446,27 @@ fn record<'f, T>(
     composite: impl FnOnce(&mut Graph<'f>, &ImageHandle, &Blended<'_, 'f>, ImageHandle) -> T,
 ) -> T {
     let lights: blocks::Lights = light_block(&[], &[]);
-    let lights =
-        ForwardLights { lights: &lights, cascades: None, spots: None, sampler: map_sampler(), environment: Vec3::ZERO };
+    let lights = ForwardLights {
+        lights: &lights,
+        cascades: None,
+        spots: None,
+        deep: None,
+        sampler: map_sampler(),
+        environment: Vec3::ZERO,
+    };
     let depth = DepthPrepass.record(graph, scene, &view);
     let color = graph.image("color", ImageShape::new_2d(ash::vk::Format::R32G32B32A32_SFLOAT, view.size));
     let color = graph.clear("background", color, ash::vk::ClearColorValue { float32: BACKGROUND });
     let mut blended = Blended::new(graph, scene, view, &lights);
     blended.pull_vertices |= pull_vertices;
     composite(graph, &depth, &blended, color)
+}
+
+/// For the pages: what a technique makes of triangles, and beside it the exact picture.
+pub fn beside_exact(how: &dyn OrderIndependent, caption: &str) -> Picture {
+    let mut kitchen = Kitchen::new(shared(), &Soup::shown());
+    let exact = kitchen.composite(&ABuffer::default(), false).unwrap_or_else(|error| panic!("{error}"));
+    kitchen.side_by_side(how, &exact, caption)
 }
 
 fn texels<T: bytemuck::Pod>(executed: &Executed, name: &str) -> shadowgraph::Result<Vec<T>> {

@@ -1,7 +1,20 @@
 //! Scenes of a few triangles whose pictures and shadows can be worked out by hand.
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
-use shadowgraph::scene::{Light, LightKind, Material, Mesh, Object, Primitive, Scene};
+use shadowgraph::scene::{Filter, Light, LightKind, Material, Mesh, Object, Primitive, Scene, Texture, Wrap};
+
+/// A texture of one texel, RGBA.
+pub fn texel(name: &str, rgba: [u8; 4]) -> Texture {
+    Texture {
+        name: name.into(),
+        size: [1; 2],
+        pixels: rgba.to_vec().into(),
+        wrap: [Wrap::Repeat; 2],
+        magnify: Filter::Nearest,
+        minify: Filter::Nearest,
+        mip: None,
+    }
+}
 
 /// A scene with one material, white and rough, and nothing in it.
 pub fn empty() -> Scene {

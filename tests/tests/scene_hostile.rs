@@ -349,6 +349,24 @@ fn what_is_passed_over_is_said() {
 }
 
 #[test]
+fn transmission_is_taken_in() {
+    let glass = json!({ "KHR_materials_transmission": { "transmissionFactor": 0.75 } });
+    let extensions = json!(["KHR_lights_punctual", "KHR_materials_transmission"]);
+    let mut file = broken(&[("/extensionsUsed", extensions), ("/materials/0/extensions", glass)]);
+    set(&mut file, "/extensionsRequired", json!(["KHR_materials_transmission"]));
+    let scene = load(&file).unwrap();
+    assert!(scene.warnings.is_empty() && scene.materials[0].is_transmissive());
+    assert_eq!(scene.materials[0].transmission, 0.75);
+    // Where texels are cut away there is nothing to look through.
+    set(&mut file, "/materials/0/alphaMode", json!("MASK"));
+    let scene = load(&file).unwrap();
+    assert!(scene.warnings[0].contains("transmission has no effect") && !scene.materials[0].is_blended());
+    set(&mut file, "/materials/0/extensions/KHR_materials_transmission/transmissionTexture", json!({ "index": 9 }));
+    set(&mut file, "/materials/0/alphaMode", json!("OPAQUE"));
+    assert!(load(&file).unwrap_err().contains("transmissionTexture is texture 9"));
+}
+
+#[test]
 fn a_long_chain_of_nodes_is_no_recursion() {
     let mut nodes: Vec<Value> = (1..60_000).map(|next| json!({ "children": [next] })).collect();
     nodes.push(json!({ "mesh": 0, "translation": [2, 0, 0] }));

@@ -109,6 +109,7 @@ fn differences(scene: &Scene, row: &Row) -> Vec<String> {
             AlphaMode::Opaque => "OPAQUE",
             AlphaMode::Mask { .. } => "MASK",
             AlphaMode::Blend => "BLEND",
+            AlphaMode::Premultiplied | AlphaMode::Add => "none of glTF",
         };
         *materials.entry(mode.to_owned()).or_insert(0) += 1;
     }

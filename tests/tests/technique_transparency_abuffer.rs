@@ -6,13 +6,14 @@ use shadowgraph::capture::auto_exposure;
 use shadowgraph::frame::Transparency;
 use shadowgraph::gpu::Feature;
 use shadowgraph::techniques::transparency::abuffer::{ABuffer, Build, NodeFormat, Sizing};
+use shadowgraph::techniques::transparency::depth_peeling::DepthPeeling;
 use shadowgraph_tests::compare::Comparison;
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::exr_file::Part;
 use shadowgraph_tests::figures::{self, Check, Figure, Picture};
-use shadowgraph_tests::panes::{capture, compare, panes};
+use shadowgraph_tests::panes::{capture, compare, glass, panes};
 use shadowgraph_tests::render::{Subject, only};
-use shadowgraph_tests::soup::{Found, Kitchen, Random, Soup};
+use shadowgraph_tests::soup::{Found, Kind, Kitchen, Random, Soup};
 
 const LISTS: ABuffer =
     ABuffer { build: Build::Lists(Sizing::Counted), format: NodeFormat::Compact, exponent: 0, memory: u64::MAX };
@@ -81,6 +82,33 @@ fn transparency_abuffer_agrees_with_its_reference() {
         assert!(arrays.color == lists.color, "{name}: lists differ");
         rows.push(colors(&soup, &arrays, tolerance, name).demand());
     }
+    // Layers that multiply channel by channel what lies behind them, and others that only add.
+    let every = [Kind::Glass, Kind::Blend, Kind::Premultiplied, Kind::Add];
+    let soups = [
+        Soup::random(16, [64, 64], 24, 3).made_of(&every),
+        Soup::random(17, [32, 32], 12, 48).made_of(&[Kind::Glass]),
+        Soup::coplanar([32, 32], 21).made_of(&every),
+    ];
+    for (format, tolerance, name) in
+        [(NodeFormat::CompactTinted, 4e-3, "RGB9E5, tinted"), (NodeFormat::FloatTinted, 1e-5, "float, tinted")]
+    {
+        for soup in &soups {
+            let mut kitchen = Kitchen::new(shared(), soup);
+            let arrays = kitchen.run(ABuffer { format, ..ARRAYS }, false).unwrap();
+            let lists = kitchen.run(ABuffer { format, ..LISTS }, false).unwrap();
+            sound(&arrays);
+            sound(&lists);
+            assert!(arrays.color == lists.color, "{name}: lists differ");
+            rows.push(colors(soup, &arrays, tolerance, name).demand());
+        }
+    }
+    // Without glass, tinted nodes change nothing but rounding, and peeling has the same bits as nodes of one alpha.
+    let soup =
+        Soup::random(18, [64, 64], 24, 3).made_of(&[Kind::Add, Kind::Blend, Kind::Premultiplied]).with_any_alpha();
+    let mut kitchen = Kitchen::new(shared(), &soup);
+    let plain = kitchen.run(ABuffer { format: NodeFormat::Float, ..ARRAYS }, false).unwrap();
+    rows.push(colors(&soup, &plain, 1e-5, "float").demand());
+    assert!(kitchen.composite(&DepthPeeling::default(), false).unwrap() == plain.color);
     // So many layers that runs are merged across invocations; the farthest still count.
     let soup = Soup::random(10, [8, 8], 0, 5000).in_objects_of(100).thin(0.001);
     let mut kitchen = Kitchen::new(shared(), &soup);
@@ -91,9 +119,11 @@ fn transparency_abuffer_agrees_with_its_reference() {
     rows.push(counts(&soup, &arrays).demand());
     rows.push(colors(&soup, &arrays, 1e-5, "float").demand());
     // glTF's materials, lit and shadowed: panes in an order that is right only pixel by pixel.
-    for subject in [panes(true), panes(false), crossing()] {
+    for subject in [panes(true), panes(false), crossing(), glass()] {
         rows.push(compare(&subject, &layers(&subject, Transparency::ABuffer)).demand());
     }
+    // Glass is told from panes that only hide.
+    assert!(compare(&glass(), &layers(&panes(false), Transparency::ABuffer)).fails());
     // The scene is one that no order of objects gets right.
     assert!(compare(&crossing(), &layers(&crossing(), Transparency::Sorted)).fails());
     silent(shared());
@@ -160,10 +190,7 @@ fn transparency_abuffer_does_not_depend_on_the_order_of_draws() {
         let first = kitchen.run(ARRAYS, false).unwrap();
         for run in 0..100 {
             // The triangles' numbers come from the index buffer here, so draws of parts of an object keep them.
-            kitchen.reorder(|draws| {
-                random.shuffle(draws);
-                draws.sort_by_key(|draw| draw.class);
-            });
+            kitchen.shuffle(&mut random);
             let (arrays, lists) =
                 (kitchen.run(ARRAYS, run % 2 == 1).unwrap(), kitchen.run(LISTS, run % 2 == 0).unwrap());
             assert!(arrays == first, "{}: run {run} differs", soup.name);
@@ -183,6 +210,21 @@ fn transparency_abuffer_does_not_depend_on_the_order_of_draws() {
             *draws = opaque.chain(single).collect();
         });
         assert!(kitchen.run(ARRAYS, true).unwrap() == first, "{}: single triangles", soup.name);
+    }
+    silent(shared());
+}
+
+/// 100 runs of one order give the same bytes: what threads race for is decided by depth and triangle alone.
+#[test]
+fn transparency_abuffer_gives_the_same_bytes_in_every_run() {
+    let soup = Soup::random(15, [128, 128], 60, 24);
+    let (mut arrays, mut lists) = (Kitchen::new(shared(), &soup), Kitchen::new(shared(), &soup));
+    let first = arrays.run(ARRAYS, false).unwrap();
+    assert!(first.longest > 16 && first.count.contains(&3.0), "short and long pixels");
+    for run in 0..100 {
+        assert!(arrays.run(ARRAYS, false).unwrap() == first, "arrays, run {run}");
+        let lists = lists.run(LISTS, false).unwrap();
+        assert!(lists.color == first.color && lists.count == first.count, "lists, run {run}");
     }
     silent(shared());
 }
@@ -285,6 +327,20 @@ fn transparency_abuffer_with_a_seeded_mistake_is_caught() {
         (false, true)
     );
     assert_eq!(fails(&changed(|s| s.triangles[1].corners[0][0] ^= 256)), (true, true));
+    // Glass of another colour; glass that hides instead.
+    let glass = Soup::random(17, [32, 32], 12, 8).made_of(&[Kind::Glass]);
+    let tinted = |mistaken: &Soup| {
+        let found =
+            Kitchen::new(shared(), mistaken).run(ABuffer { format: NodeFormat::CompactTinted, ..ARRAYS }, false);
+        colors(&glass, &found.unwrap(), 4e-3, "RGB9E5, tinted").fails()
+    };
+    assert!(!tinted(&glass));
+    let mut turned = glass.clone();
+    turned.triangles.iter_mut().for_each(|triangle| triangle.color[..3].rotate_left(1));
+    assert!(tinted(&turned) && tinted(&glass.clone().made_of(&[Kind::Blend])));
+    // Nodes of one alpha cannot have it.
+    let plain = Kitchen::new(shared(), &glass).run(ARRAYS, false).unwrap();
+    assert!(colors(&glass, &plain, 4e-3, "RGB9E5").fails());
     // Ties the other way around: only the order of equal depths changes.
     let stack = Soup::coplanar([64, 64], 21);
     let mut turned = stack.clone();

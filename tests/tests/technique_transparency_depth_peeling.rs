@@ -15,7 +15,8 @@ fn transparency_depth_peeling_agrees_with_its_reference() {
         found.iter().zip(layers).enumerate().for_each(|(i, (a, b))| comparison.same(i, a == b));
         Check::new(comparison, 1.0, 0.0)
     });
-    figures::publish(shared(), "transparency", "depth_peeling", &figures::demand(&checks), None);
+    let picture = peeled::picture(&DepthPeeling::default(), 1);
+    figures::publish(shared(), "transparency", "depth_peeling", &figures::demand(&checks), Some(&picture));
 }
 
 #[test]

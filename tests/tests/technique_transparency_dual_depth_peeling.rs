@@ -19,7 +19,8 @@ fn transparency_dual_depth_peeling_agrees_with_its_reference() {
         }
         Check::new(comparison, 1.0, 0.0)
     });
-    figures::publish(shared(), "transparency", "dual_depth_peeling", &figures::demand(&checks), None);
+    let picture = peeled::picture(&DualDepthPeeling::default(), 2);
+    figures::publish(shared(), "transparency", "dual_depth_peeling", &figures::demand(&checks), Some(&picture));
 }
 
 #[test]

@@ -6,7 +6,7 @@ use shadowgraph::techniques::transparency::kbuffer::KBuffer;
 use shadowgraph_tests::compare::Comparison;
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Check};
-use shadowgraph_tests::soup::{DEPTH_MARGIN, Kitchen, Random, Soup, background};
+use shadowgraph_tests::soup::{DEPTH_MARGIN, Kitchen, Random, Soup, background, beside_exact};
 use shadowgraph_tests::twin::approximate::kept;
 use shadowgraph_tests::twin::layers::close_call;
 
@@ -42,7 +42,8 @@ fn transparency_kbuffer_agrees_with_its_reference() {
     found.iter().zip(&exact.color).enumerate().for_each(|(i, (a, b))| comparison.same(i, a == b));
     rows.push(Check::new(comparison, 1.0, 0.0).demand());
     silent(shared());
-    figures::publish(shared(), "transparency", "kbuffer", &rows, None);
+    let picture = beside_exact(&KBuffer::default(), "Four layers kept (left); all layers (right)");
+    figures::publish(shared(), "transparency", "kbuffer", &rows, Some(&picture));
 }
 
 /// Which layers are kept is nobody's race: in every order of draws the kept ones are the same, byte by byte where there
@@ -54,10 +55,7 @@ fn portable_transparency_kbuffer_does_not_depend_on_the_order_of_draws() {
     let mut kitchen = Kitchen::new(shared(), &soup);
     let first = kitchen.composite(&KBuffer { kept: 16 }, false).unwrap();
     for run in 0..6 {
-        kitchen.reorder(|draws| {
-            random.shuffle(draws);
-            draws.sort_by_key(|draw| draw.class);
-        });
+        kitchen.shuffle(&mut random);
         assert!(kitchen.composite(&KBuffer { kept: 16 }, run % 2 == 1).unwrap() == first, "run {run}");
         compare(&soup, 3, &kitchen.composite(&KBuffer { kept: 3 }, run % 2 == 0).unwrap()).demand();
     }

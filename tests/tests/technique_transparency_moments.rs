@@ -4,7 +4,7 @@
 use shadowgraph::techniques::transparency::moments::Moments;
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Check};
-use shadowgraph_tests::soup::{Kitchen, Random, Soup, background};
+use shadowgraph_tests::soup::{Kitchen, Random, Soup, background, beside_exact};
 use shadowgraph_tests::twin::approximate::by_moments;
 
 /// Nearest and farthest distance of any vertex: a soup's distance is 1 - depth.
@@ -38,7 +38,8 @@ fn transparency_moments_agrees_with_its_reference() {
     let found = Kitchen::new(shared(), &single).composite(&Moments, false).unwrap();
     rows.push(single.compare(&found, 1e-6, "exact").demand());
     silent(shared());
-    figures::publish(shared(), "transparency", "moments", &rows, None);
+    let picture = beside_exact(&Moments, "Four moments (left); all layers (right)");
+    figures::publish(shared(), "transparency", "moments", &rows, Some(&picture));
 }
 
 #[test]
@@ -48,10 +49,7 @@ fn portable_transparency_moments_does_not_depend_on_the_order_of_draws() {
     let mut kitchen = Kitchen::new(shared(), &soup);
     for run in 0..4 {
         compare(&soup, &kitchen.composite(&Moments, run % 2 == 1).unwrap()).demand();
-        kitchen.reorder(|draws| {
-            random.shuffle(draws);
-            draws.sort_by_key(|draw| draw.class);
-        });
+        kitchen.shuffle(&mut random);
     }
     silent(shared());
 }

@@ -4,7 +4,7 @@
 use shadowgraph::techniques::transparency::stochastic::Stochastic;
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Check};
-use shadowgraph_tests::soup::{BACKGROUND, DEPTH_MARGIN, Kitchen, Random, Soup, background};
+use shadowgraph_tests::soup::{BACKGROUND, DEPTH_MARGIN, Kitchen, Random, Soup, background, beside_exact};
 use shadowgraph_tests::twin::approximate::{mask, stochastic};
 use shadowgraph_tests::twin::layers::{close_call, composite};
 
@@ -32,7 +32,8 @@ fn transparency_stochastic_agrees_with_its_reference() {
         }
     }
     silent(shared());
-    figures::publish(shared(), "transparency", "stochastic", &rows, None);
+    let picture = beside_exact(&Stochastic::default(), "Eight samples a pixel (left); all layers (right)");
+    figures::publish(shared(), "transparency", "stochastic", &rows, Some(&picture));
 }
 
 /// Sixteen times as many samples, about a fourth of the error: it is noise, and no bias hides in it.
@@ -62,10 +63,7 @@ fn portable_transparency_stochastic_does_not_depend_on_the_order_of_draws() {
     let mut kitchen = Kitchen::new(shared(), &soup);
     for run in 0..4 {
         compare(&soup, 8, &kitchen.composite(&Stochastic::default(), run % 2 == 1).unwrap()).demand();
-        kitchen.reorder(|draws| {
-            random.shuffle(draws);
-            draws.sort_by_key(|draw| draw.class);
-        });
+        kitchen.shuffle(&mut random);
     }
     silent(shared());
 }

@@ -4,7 +4,7 @@
 use shadowgraph::techniques::transparency::weighted::{Weight, Weighted};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Check};
-use shadowgraph_tests::soup::{Kitchen, Random, Soup, background};
+use shadowgraph_tests::soup::{Kitchen, Random, Soup, background, beside_exact};
 use shadowgraph_tests::twin::approximate::{weight, weighted};
 
 const WEIGHTS: [(u32, Weight); 4] =
@@ -39,7 +39,8 @@ fn transparency_weighted_agrees_with_its_reference() {
     let found = Kitchen::new(shared(), &single).composite(&Weighted::default(), false).unwrap();
     rows.push(single.compare(&found, 1e-6, "exact").demand());
     silent(shared());
-    figures::publish(shared(), "transparency", "weighted", &rows, None);
+    let picture = beside_exact(&Weighted::default(), "Weights by equation 7 (left); all layers (right)");
+    figures::publish(shared(), "transparency", "weighted", &rows, Some(&picture));
 }
 
 #[test]
@@ -50,10 +51,7 @@ fn portable_transparency_weighted_does_not_depend_on_the_order_of_draws() {
     for run in 0..4 {
         let found = kitchen.composite(&Weighted::default(), run % 2 == 1).unwrap();
         compare(&soup, 7, &found).demand();
-        kitchen.reorder(|draws| {
-            random.shuffle(draws);
-            draws.sort_by_key(|draw| draw.class);
-        });
+        kitchen.shuffle(&mut random);
     }
     silent(shared());
 }

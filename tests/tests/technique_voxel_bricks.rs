@@ -1,11 +1,11 @@
-//! Surface voxels in bricks against those of the whole grid, and where that does not fit against separating axes.
+//! Thickness voxels in bricks against those of the whole grid, and where that does not fit against separating axes.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use glam::{DVec3, Mat4, Vec3};
 use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::Scene;
-use shadowgraph::techniques::voxel::bricks::{Bricks, Surface};
+use shadowgraph::techniques::voxel::bricks::{Bricks, Thickness};
 use shadowgraph::techniques::voxel::conservative::Conservative;
 use shadowgraph::techniques::voxel::six_separating::SixSeparating;
 use shadowgraph::techniques::voxel::{Axis, Grid, Voxels};
@@ -17,11 +17,11 @@ use shadowgraph_tests::{harness, tiny, twin};
 /// How far beyond ε a voxel may be from the triangle that set it, in voxels.
 const FAR: f64 = 1e-4;
 
-fn in_bricks(gpu: &Gpu, scene: &Scene, grid: &Grid, surface: Surface) -> Voxels {
+fn in_bricks(gpu: &Gpu, scene: &Scene, grid: &Grid, thickness: Thickness) -> Voxels {
     let find = || -> shadowgraph::Result<Voxels> {
         let scene = scene.clone().upload(gpu)?;
         let mut graph = Graph::new("bricks", gpu.caps());
-        Bricks { surface }.record(&mut graph, &scene, grid)?.capture(&mut graph);
+        Bricks { thickness }.record(&mut graph, &scene, grid)?.capture(&mut graph);
         let plan = graph.compile(gpu)?;
         let executed = Executor::new(gpu).execute(&plan, graph)?;
         Voxels::read_bricks(&executed, grid)
@@ -29,10 +29,12 @@ fn in_bricks(gpu: &Gpu, scene: &Scene, grid: &Grid, surface: Surface) -> Voxels 
     find().unwrap_or_else(|error| panic!("{}: {error}", scene.name))
 }
 
-fn whole(gpu: &Gpu, scene: &Scene, grid: &Grid, surface: Surface) -> Voxels {
-    solids::voxelize(gpu, scene, grid, |graph, scene| match surface {
-        Surface::Conservative => Conservative::default().record(graph, scene, grid),
-        Surface::SixSeparating => SixSeparating { axis: Axis::Z }.record(graph, scene, grid),
+fn whole(gpu: &Gpu, scene: &Scene, grid: &Grid, thickness: Thickness) -> Voxels {
+    solids::voxelize(gpu, scene, grid, |graph, scene| match thickness {
+        Thickness::Conservative => Conservative::default().record(graph, scene, grid),
+        Thickness::SixSeparating => {
+            SixSeparating { axis: Axis::Z, ..SixSeparating::default() }.record(graph, scene, grid)
+        }
     })
 }
 
@@ -61,10 +63,10 @@ fn voxel_bricks_agrees_with_its_reference() {
     for scene in surfaces() {
         let [mut set, mut bytes, mut all] = [0; 3];
         for resolution in [30, 100, 256] {
-            for surface in [Surface::Conservative, Surface::SixSeparating] {
+            for thickness in [Thickness::Conservative, Thickness::SixSeparating] {
                 let grid = Grid::around(&bounds(&scene), resolution).unwrap();
-                let (own, whole) = (in_bricks(gpu, &scene, &grid, surface), whole(gpu, &scene, &grid, surface));
-                assert!(own.set().eq(whole.set()), "{} at {resolution}: {surface:?} voxels differ", scene.name);
+                let (own, whole) = (in_bricks(gpu, &scene, &grid, thickness), whole(gpu, &scene, &grid, thickness));
+                assert!(own.set().eq(whole.set()), "{} at {resolution}: {thickness:?} voxels differ", scene.name);
                 assert!(own.count() == whole.count() && own.count() > 0, "{}", scene.name);
                 set += own.count();
                 (bytes, all) = (bytes + own.memory(), all + whole.memory());
@@ -82,7 +84,7 @@ fn voxel_bricks_agrees_with_its_reference() {
     scenes.extend(koala.clone());
     for scene in scenes {
         let grid = Grid::around(&bounds(&scene), 2048).unwrap();
-        let own = in_bricks(gpu, &scene, &grid, Surface::Conservative);
+        let own = in_bricks(gpu, &scene, &grid, Thickness::Conservative);
         let every = own.count() as usize / 9;
         let [mut missed, mut far, mut set] = [0; 3];
         for at in own.set().step_by(every).skip(1) {
@@ -103,7 +105,7 @@ fn voxel_bricks_agrees_with_its_reference() {
     silent(gpu);
     let picture = koala.map(|scene| {
         let grid = Grid::around(&bounds(&scene), 480).unwrap();
-        front(&in_bricks(gpu, &scene, &grid, Surface::Conservative))
+        front(&in_bricks(gpu, &scene, &grid, Thickness::Conservative))
     });
     figures::publish(gpu, "voxel", "bricks", &figures, picture.as_ref());
 }
@@ -113,14 +115,14 @@ fn voxel_bricks_with_a_seeded_mistake_is_caught() {
     let gpu = shared();
     let truth = one("torus", vec![(torus(32, 16), awkward())]);
     let grid = Grid::around(&bounds(&truth), 64).unwrap();
-    let wrong = |scene: &Scene, surface| compare(&in_bricks(gpu, scene, &grid, surface), &truth, [0; 3], [64; 3]);
-    assert_eq!(wrong(&truth, Surface::Conservative)[..2], [0, 0]);
+    let wrong = |scene: &Scene, thickness| compare(&in_bricks(gpu, scene, &grid, thickness), &truth, [0; 3], [64; 3]);
+    assert_eq!(wrong(&truth, Thickness::Conservative)[..2], [0, 0]);
     // A hundredth of a voxel aside; as thin as need be.
     let mut aside = truth.clone();
     aside.objects[0].world_from_object = Mat4::from_translation(Vec3::X * 0.01 * grid.edge()) * awkward();
-    let [missed, far, _] = wrong(&aside, Surface::Conservative);
+    let [missed, far, _] = wrong(&aside, Thickness::Conservative);
     assert!(missed > 0 && far > 0);
-    assert!(wrong(&truth, Surface::SixSeparating)[0] > 0);
+    assert!(wrong(&truth, Thickness::SixSeparating)[0] > 0);
     silent(gpu);
 }
 
@@ -132,11 +134,11 @@ fn portable_what_touches_bricks_from_outside_is_found() {
     let parts = [[2.0, 2.0, 8.0], [2.0, 2.0, 16.00009], [2.0, 2.0, 40.0]].map(|at| square(Vec3::from(at)));
     let scene = one("squares", parts.to_vec());
     let grid = Grid::new(Vec3::ZERO, 1.0, [30, 31, 33]).unwrap();
-    for surface in [Surface::Conservative, Surface::SixSeparating] {
-        let (own, whole) = (in_bricks(gpu, &scene, &grid, surface), whole(gpu, &scene, &grid, surface));
-        assert!(own.set().eq(whole.set()) && own.count() > 100, "{surface:?}");
+    for thickness in [Thickness::Conservative, Thickness::SixSeparating] {
+        let (own, whole) = (in_bricks(gpu, &scene, &grid, thickness), whole(gpu, &scene, &grid, thickness));
+        assert!(own.set().eq(whole.set()) && own.count() > 100, "{thickness:?}");
     }
-    let nothing = in_bricks(gpu, &tiny::empty(), &grid, Surface::Conservative);
+    let nothing = in_bricks(gpu, &tiny::empty(), &grid, Thickness::Conservative);
     assert_eq!((nothing.count(), nothing.set().count()), (0, 0));
     silent(gpu);
 }

@@ -18,7 +18,7 @@ const TIE: f64 = 1e-4;
 
 fn voxelize(gpu: &Gpu, scene: &Scene, grid: &Grid, axis: Axis, thin: bool) -> Voxels {
     solids::voxelize(gpu, scene, grid, |graph, scene| match thin {
-        true => SixSeparating { axis }.record(graph, scene, grid),
+        true => SixSeparating { axis, ..SixSeparating::default() }.record(graph, scene, grid),
         false => Conservative { axis, ..Conservative::default() }.record(graph, scene, grid),
     })
 }

@@ -1,6 +1,7 @@
 //! The layers a frame can leave: which channels of which image go under which name.
 
-use super::{Shadows, Surfaces, TransparentLayers};
+use super::shadows::Shadows;
+use super::{Surfaces, TransparentLayers};
 use crate::graph::{Graph, ImageHandle};
 use crate::scene::GpuScene;
 use crate::techniques::transparency::abuffer::ABuffer;
@@ -136,6 +137,12 @@ impl<'s> Captured<'s> {
         }
     }
 
+    /// Ambient occlusion.
+    pub(super) fn occlusion(&mut self, graph: &mut Graph, open: &ImageHandle) {
+        let name = "ambient_occlusion";
+        self.image(graph, name, vec![(name.into(), 0)], Samples::Color, name, open);
+    }
+
     /// Layers of the lights.
     pub(super) fn shadows(&mut self, graph: &mut Graph, scene: &GpuScene, shadows: &Shadows) {
         for (light, shadow) in scene.lights.iter().zip(&shadows.of_lights) {
@@ -143,6 +150,13 @@ impl<'s> Captured<'s> {
             let name = format!("shadow.{}", light.name);
             let channels = vec![(name.clone(), 0)];
             self.layer(graph, &name, channels, Samples::Color, ("masks", shadow.mask), masks, false);
+        }
+        if let Some(deep) = &shadows.deep {
+            for (layer, &light) in (0..).zip(&shadows.deep_lights) {
+                let name = format!("transmittance.{}", scene.lights[light].name);
+                let channels = ["R", "G", "B"].iter().enumerate().map(|(i, c)| (format!("{name}.{c}"), i)).collect();
+                self.layer(graph, &name, channels, Samples::Color, ("deep.masks", layer), &deep.masks, false);
+            }
         }
         if let Some(sun) = &shadows.sun {
             let channels = vec![("cascade.index".into(), 0)];
@@ -156,7 +170,7 @@ impl<'s> Captured<'s> {
         if let Some(spots) = &shadows.spots {
             let spot_lights = scene.lights.iter().zip(&shadows.of_lights).filter_map(|(light, shadow)| {
                 let shadow = shadow.filter(|_| crate::techniques::shadow::spot::Spot::serves(light))?;
-                Some((light, shadow.index))
+                Some((light, shadow.index?))
             });
             for (light, index) in spot_lights {
                 let name = format!("map.{}", light.name);

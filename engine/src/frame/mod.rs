@@ -2,18 +2,21 @@
 //! leave.
 
 mod layers;
+mod shadows;
+mod voxels;
 
-use ash::vk;
 use glam::Vec3;
 
 pub use layers::{ABUFFER_REPORT, Deep, Layer, Samples, Selection, Source};
+pub use voxels::VoxelVisibility;
 
-use crate::graph::{BufferHandle, Graph, ImageHandle, ImageShape};
-use crate::scene::{DrawClass, GpuScene, Light, LightKind, LightShadow, MAX_LIGHTS, View, light_block};
-use crate::shader::generated::blocks;
+use self::shadows::{SpotMaps, SunShadow};
+use crate::graph::{BufferHandle, Graph, ImageHandle};
+use crate::scene::{AlphaMode, DrawClass, GpuScene, View, light_block};
 use crate::techniques::shading::lighting::{Lighting, LightingInput};
-use crate::techniques::shadow::cascaded::{Cascaded, CascadedShadow};
-use crate::techniques::shadow::spot::{MAX_SPOTS, Spot, SpotShadows};
+use crate::techniques::shadow::cascaded::Cascaded;
+use crate::techniques::shadow::deep::DeepShadow;
+use crate::techniques::shadow::spot::Spot;
 use crate::techniques::shadow::{Receivers, map_sampler};
 use crate::techniques::surface::depth::DepthPrepass;
 use crate::techniques::surface::gbuffer::{GBuffer, Precision, Surfaces};
@@ -22,7 +25,7 @@ use crate::techniques::transparency::OrderIndependent;
 use crate::techniques::transparency::abuffer::{ABuffer, COMPACT_TRIANGLES, Composited, NodeFormat};
 use crate::techniques::transparency::depth_peeling::DepthPeeling;
 use crate::techniques::transparency::dual_depth_peeling::DualDepthPeeling;
-use crate::techniques::transparency::forward::{ForwardLights, ForwardShadow};
+use crate::techniques::transparency::forward::{ForwardDeep, ForwardLights, ForwardShadow};
 use crate::techniques::transparency::fragments::Blended;
 use crate::techniques::transparency::kbuffer::KBuffer;
 use crate::techniques::transparency::moments::Moments;
@@ -77,6 +80,10 @@ pub struct FrameSettings {
     pub cascaded: Cascaded,
     /// Shadows of spot lights.
     pub spot: Spot,
+    /// What comes through blended surfaces of the light of those that have shadows; else they throw none.
+    pub deep_shadow: Option<DeepShadow>,
+    /// Shadows of point lights, and ambient occlusion, by rays through voxels.
+    pub voxels: Option<VoxelVisibility>,
     /// Radiance that comes from everywhere, cd/m².
     pub environment: Vec3,
     /// How finely the G-buffer and the layers of the A-buffer are stored.
@@ -99,6 +106,8 @@ impl FrameSettings {
             view,
             cascaded: Cascaded::default(),
             spot: Spot::default(),
+            deep_shadow: None,
+            voxels: None,
             environment: Vec3::ZERO,
             precision: Precision::default(),
             transparency: Transparency::default(),
@@ -106,6 +115,11 @@ impl FrameSettings {
             deep: false,
             layers: Selection::All,
         }
+    }
+
+    /// How blended surfaces are composited: what is captured deep are the A-buffer's layers.
+    pub fn composited_by(&self) -> Transparency {
+        if self.deep { Transparency::ABuffer } else { self.transparency }
     }
 }
 
@@ -132,7 +146,11 @@ impl FrameSettings {
 
         // 2. Lights: maps and masks of those that cast shadows.
         let receivers = Receivers { view, depth: &surfaces.depth, ids: &surfaces.ids };
-        let shadows = self.shadows(graph, scene, &receivers);
+        let occluders = self.voxels.map(|voxels| voxels.occluders(graph, scene)).transpose();
+        let (occluders, why_not) = occluders.map_or_else(|error| (None, Some(error)), |occluders| (occluders, None));
+        let marched = self.voxels.zip(occluders.as_ref());
+        let mut shadows = self.shadows(graph, scene, &receivers, marched.map(|marched| (marched, &position)));
+        shadows.warnings.extend(why_not.map(|error| format!("there are no voxels: {error}")));
         let lights = light_block(&scene.lights, &shadows.of_lights);
 
         // 3. Camera: shading of the opaque surfaces, then blended ones over them.
@@ -144,6 +162,7 @@ impl FrameSettings {
             emissive: &surfaces.emissive,
             lights: &lights,
             masks: shadows.masks.as_ref(),
+            deep_masks: shadows.deep.as_ref().map(|deep| &deep.masks),
         };
         let lit = Lighting { environment: self.environment }.record(graph, scene, view, &input);
         let forward = ForwardLights {
@@ -155,6 +174,11 @@ impl FrameSettings {
             spots: shadows.spots.as_ref().map(|spots| {
                 let SpotMaps { maps, parameters, taps } = spots;
                 ForwardShadow { parameters, maps, taps: *taps }
+            }),
+            deep: shadows.deep.as_ref().map(|deep| ForwardDeep {
+                parameters: &deep.parameters,
+                spans: &deep.spans,
+                steps: &deep.steps,
             }),
             sampler: map_sampler(),
             environment: self.environment,
@@ -168,11 +192,41 @@ impl FrameSettings {
         // 4. Captures.
         captured.frame(graph, &color, &lit.direct, &position, &surfaces);
         captured.shadows(graph, scene, &shadows);
+        if let Some((VoxelVisibility { occlusion, .. }, occluders)) = marched {
+            let open = occlusion.record(graph, occluders, &position, &surfaces.ids);
+            captured.occlusion(graph, &open);
+        }
         if let Some(layers) = &layers {
             captured.abuffer(graph, layers);
         }
         let deep = self.deep.then(|| Deep { abuffer: layers.map(|layers| layers.made_by) });
-        Frame { layers: captured.layers, deep, warnings: shadows.warnings }
+        let mut warnings = shadows.warnings;
+        warnings.extend(self.unshown(scene));
+        Frame { layers: captured.layers, deep, warnings }
+    }
+
+    /// What the technique of transparency does not show of the scene's materials.
+    fn unshown(&self, scene: &GpuScene) -> Vec<String> {
+        let transparency = self.composited_by();
+        let mut unshown = Vec::new();
+        let exact = transparency == Transparency::ABuffer;
+        if scene_transmits(scene) && (self.deep || !exact) {
+            let how = if self.deep { "deep pictures have one alpha a sample" } else { "only abuffer shows it" };
+            unshown.push(format!("light that passes through materials is not tinted by them: {how}"));
+        }
+        let averages = matches!(
+            transparency,
+            Transparency::Weighted(_)
+                | Transparency::KBuffer(_)
+                | Transparency::Moments(_)
+                | Transparency::Stochastic(_)
+        );
+        let adds = scene.draws.draws().iter().any(|draw| scene.materials[draw.material].alpha_mode == AlphaMode::Add);
+        if averages && adds {
+            let name = transparency.name();
+            unshown.push(format!("materials that only add light are not shown right: {name} averages layers by alpha"));
+        }
+        unshown
     }
 
     /// Blended surfaces over `color`; what the A-buffer knows of them besides.
@@ -189,9 +243,8 @@ impl FrameSettings {
             return (color, None);
         }
         let blended = Blended::new(graph, scene, *view, lights);
-        // What is captured deep are the A-buffer's layers.
-        let transparency = if self.deep { &Transparency::ABuffer } else { &self.transparency };
-        let technique: &dyn OrderIndependent = match transparency {
+        let transparency = self.composited_by();
+        let technique: &dyn OrderIndependent = match &transparency {
             Transparency::Sorted => return (Sorted.record(graph, scene, view, depth, lights, color), None),
             Transparency::ABuffer => {
                 let (color, layers) = self.abuffer(graph, &blended, depth, color);
@@ -214,8 +267,12 @@ impl FrameSettings {
         depth: &ImageHandle,
         color: ImageHandle,
     ) -> (ImageHandle, TransparentLayers) {
+        // Deep pictures have one alpha a sample.
+        let tinted = scene_transmits(blended.scene) && !self.deep;
         let format = match self.precision {
+            Precision::Float if tinted => NodeFormat::FloatTinted,
             Precision::Float => NodeFormat::Float,
+            Precision::Compact if tinted => NodeFormat::CompactTinted,
             Precision::Compact if blended.triangles() > COMPACT_TRIANGLES => NodeFormat::Half,
             Precision::Compact => NodeFormat::Compact,
         };
@@ -229,55 +286,11 @@ impl FrameSettings {
         }
         (color, TransparentLayers { made_by: abuffer, count, front, report })
     }
+}
 
-    /// Shadow maps of the first directional light and of the spots, and one image with a mask a layer.
-    fn shadows<'f>(&self, graph: &mut Graph<'f>, scene: &'f GpuScene, receivers: &Receivers) -> Shadows {
-        let lights = &scene.lights;
-        let sun = lights.iter().enumerate().find_map(|(i, light)| match light.kind {
-            LightKind::Directional { direction, .. } => Some((i, direction)),
-            LightKind::Point { .. } | LightKind::Spot { .. } => None,
-        });
-        let spots: Vec<usize> = (0..lights.len()).filter(|&i| Spot::serves(&lights[i])).take(MAX_SPOTS).collect();
-        let count = u32::from(sun.is_some()) + spots.len() as u32;
-
-        // Masks: the sun's first, then the spots'.
-        let mut shadows = Shadows::new(lights);
-        if let Some((sun, _)) = sun {
-            shadows.of_lights[sun] = Some(LightShadow { mask: 0, index: 0 });
-        }
-        for (index, &spot) in spots.iter().enumerate() {
-            let index = index as u32;
-            shadows.of_lights[spot] = Some(LightShadow { mask: u32::from(sun.is_some()) + index, index });
-        }
-        shadows.warn(lights);
-        if count == 0 {
-            return shadows;
-        }
-        let shape = ImageShape::new_2d(vk::Format::R32_SFLOAT, self.view.size).layers(count);
-        let masks = graph.image("shadow.masks", shape);
-        let blocks = [u32::from(sun.is_some()), spots.len() as u32];
-        let blocks: Vec<u32> = blocks.into_iter().filter(|&layers| layers > 0).collect();
-        let mut masks = graph.split_layer_blocks(masks, &blocks).into_iter();
-        let mut written = Vec::with_capacity(blocks.len());
-        if let Some((_, direction)) = sun
-            && let Some(mask) = masks.next()
-        {
-            let cascaded = self.cascaded.record(graph, scene, receivers, direction, mask);
-            let CascadedShadow { mask, index, map, parameters, taps } = cascaded;
-            written.push(mask);
-            shadows.sun = Some(SunShadow { index, map, parameters, taps });
-        }
-        let spot_lights: Vec<&Light> = spots.iter().map(|&i| &lights[i]).collect();
-        if let Some(masks) = masks.next()
-            && let Some(spots) = self.spot.record(graph, scene, receivers, &spot_lights, masks)
-        {
-            let SpotShadows { masks, maps, parameters, taps } = spots;
-            written.push(masks);
-            shadows.spots = Some(SpotMaps { maps, parameters, taps });
-        }
-        shadows.masks = graph.join(written);
-        shadows
-    }
+/// Whether some material that is drawn multiplies the light that passes.
+fn scene_transmits(scene: &GpuScene) -> bool {
+    scene.draws.draws().iter().any(|draw| scene.materials[draw.material].is_transmissive())
 }
 
 /// What the A-buffer knows besides the colour.
@@ -286,43 +299,4 @@ struct TransparentLayers {
     count: ImageHandle,
     front: ImageHandle,
     report: BufferHandle,
-}
-
-/// Shadows of a frame.
-struct Shadows {
-    /// By light.
-    of_lights: Vec<Option<LightShadow>>,
-    masks: Option<ImageHandle>,
-    sun: Option<SunShadow>,
-    spots: Option<SpotMaps>,
-    warnings: Vec<String>,
-}
-
-struct SunShadow {
-    index: ImageHandle,
-    map: ImageHandle,
-    parameters: blocks::Cascades,
-    taps: u32,
-}
-
-struct SpotMaps {
-    maps: ImageHandle,
-    parameters: blocks::SpotMaps,
-    taps: u32,
-}
-
-impl Shadows {
-    fn new(lights: &[Light]) -> Self {
-        Self { of_lights: vec![None; lights.len()], masks: None, sun: None, spots: None, warnings: Vec::new() }
-    }
-
-    /// Says which lights the frame does not show as the scene asks.
-    fn warn(&mut self, lights: &[Light]) {
-        let without = lights.iter().zip(&self.of_lights).take(MAX_LIGHTS).filter(|(_, shadow)| shadow.is_none());
-        self.warnings.extend(without.map(|(light, _)| format!("light `{}` casts no shadow", light.name)));
-        if lights.len() > MAX_LIGHTS {
-            let dark = lights.len() - MAX_LIGHTS;
-            self.warnings.push(format!("{dark} lights after the first {MAX_LIGHTS} do not shine"));
-        }
-    }
 }

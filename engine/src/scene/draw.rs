@@ -6,16 +6,16 @@ use std::ops::Range;
 use ash::vk;
 use glam::Vec3;
 
-use super::{AlphaMode, GpuScene};
+use super::{AlphaMode, GpuScene, Material};
 use crate::geometry::{Aabb, Frustum};
 use crate::gpu::{VertexAttribute, VertexBuffer};
 use crate::graph::{RasterPass, Recorder};
 use crate::shader::generated::surface::gbuffer::gbuffer_pulled_vert as pulled;
 
-/// What a material's alpha asks of a pass.
+/// What a material asks of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum DrawClass {
-    /// No alpha.
+    /// Hides all behind.
     Opaque,
     /// Alpha test.
     Masked,
@@ -25,11 +25,11 @@ pub enum DrawClass {
 
 impl DrawClass {
     /// Class of a material.
-    pub fn of(mode: AlphaMode) -> Self {
-        match mode {
-            AlphaMode::Opaque => Self::Opaque,
+    pub fn of(material: &Material) -> Self {
+        match material.alpha_mode {
+            _ if material.is_blended() => Self::Blend,
             AlphaMode::Mask { .. } => Self::Masked,
-            AlphaMode::Blend => Self::Blend,
+            _ => Self::Opaque,
         }
     }
 }
@@ -179,16 +179,23 @@ impl GpuScene {
         }
     }
 
-    /// Records draws as a pass's first view sees them, with the program made for their textures: program `i` of the pass
+    /// Records draws as one of a pass's views sees them, with the program made for their textures: program `i` of the pass
     /// samples `texture_sets[i]`. `pull`: its vertex shader pulls its vertices ([`GpuScene::bind_pulled`]).
-    pub fn draw_by_textures(&self, recorder: &mut Recorder, texture_sets: &[u32], draws: &[Draw], pull: bool) {
+    pub fn draw_by_textures(
+        &self,
+        recorder: &mut Recorder,
+        texture_sets: &[u32],
+        draws: &[Draw],
+        pull: bool,
+        (view, faces): (u32, Faces),
+    ) {
         for run in draws.chunk_by(|a, b| a.textures == b.textures) {
             let program = texture_sets.iter().position(|&set| set == run[0].textures);
             recorder.program(program.unwrap_or(0));
-            recorder.push(&0u32);
+            recorder.push(&view);
             match pull {
-                true => self.draw_pulled(recorder, Faces::Material, run),
-                false => self.draw(recorder, Faces::Material, run),
+                true => self.draw_pulled(recorder, faces, run),
+                false => self.draw(recorder, faces, run),
             }
         }
     }

@@ -2,7 +2,9 @@
 
 use glam::{Mat3, Vec3, Vec4};
 
-/// A material: glTF 2.0, section 3.9, with `KHR_materials_unlit` and `KHR_materials_emissive_strength`.
+/// A material: glTF 2.0, section 3.9, with `KHR_materials_unlit`, `KHR_materials_emissive_strength`, and
+/// `KHR_materials_transmission` for thin and clear surfaces: what passes is multiplied by the base colour, neither
+/// refracted nor blurred by roughness.
 #[derive(Clone, Debug)]
 pub struct Material {
     /// Name made unique in the scene.
@@ -29,6 +31,11 @@ pub struct Material {
     pub emissive: Vec3,
     /// sRGB-encoded RGB.
     pub emissive_texture: Option<TextureSlot>,
+    /// Share of the light that enters the surface and passes through it rather than being diffused, 0 to 1. Materials with
+    /// an alpha cutoff have none.
+    pub transmission: f32,
+    /// Transmission in R, linear.
+    pub transmission_texture: Option<TextureSlot>,
     /// How alpha is meant.
     pub alpha_mode: AlphaMode,
     /// Back faces are seen, with the normal turned.
@@ -53,10 +60,28 @@ impl Default for Material {
             occlusion_strength: 1.0,
             emissive: Vec3::ZERO,
             emissive_texture: None,
+            transmission: 0.0,
+            transmission_texture: None,
             alpha_mode: AlphaMode::Opaque,
             double_sided: false,
             unlit: false,
         }
+    }
+}
+
+impl Material {
+    /// Whether what lies behind shows through: it is composited.
+    pub fn is_blended(&self) -> bool {
+        match self.alpha_mode {
+            AlphaMode::Opaque => self.transmission > 0.0,
+            AlphaMode::Mask { .. } => false,
+            AlphaMode::Blend | AlphaMode::Premultiplied | AlphaMode::Add => true,
+        }
+    }
+
+    /// Whether light that passes through is multiplied channel by channel.
+    pub fn is_transmissive(&self) -> bool {
+        self.is_blended() && self.transmission > 0.0
     }
 }
 
@@ -72,6 +97,10 @@ pub enum AlphaMode {
     },
     /// Composited over what lies behind.
     Blend,
+    /// The same, with a base colour that is multiplied by alpha already. glTF has no such materials.
+    Premultiplied,
+    /// Added to what lies behind, times alpha, and hides nothing. glTF has no such materials.
+    Add,
 }
 
 /// Use of a texture by a material.

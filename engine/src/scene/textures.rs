@@ -89,17 +89,20 @@ pub(super) fn sampler(gpu: &Gpu, texture: &Texture) -> Result<Sampler> {
 }
 
 pub(super) fn texel(gpu: &Gpu, uploader: &mut Uploader, name: &str, rgba: [u8; 4]) -> Result<Image> {
-    let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
-    let format = vk::Format::R8G8B8A8_UNORM;
-    let image = gpu.create_image(&ImageInfo { name, format, usage, ..ImageInfo::default() })?;
-    uploader.image(&image, 0, 0, &rgba)?;
-    Ok(image)
+    one_texel(gpu, uploader, name, vk::Format::R8G8B8A8_UNORM, &rgba)
 }
 
 pub(super) fn depth_texel(gpu: &Gpu, uploader: &mut Uploader) -> Result<Image> {
+    one_texel(gpu, uploader, "scene.no_depth", vk::Format::D32_SFLOAT, bytemuck::bytes_of(&depth::CLEAR))
+}
+
+pub(super) fn words_texel(gpu: &Gpu, uploader: &mut Uploader) -> Result<Image> {
+    one_texel(gpu, uploader, "scene.no_words", vk::Format::R32G32B32A32_UINT, &[0; 16])
+}
+
+fn one_texel(gpu: &Gpu, uploader: &mut Uploader, name: &str, format: vk::Format, bytes: &[u8]) -> Result<Image> {
     let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
-    let format = vk::Format::D32_SFLOAT;
-    let image = gpu.create_image(&ImageInfo { name: "scene.no_depth", format, usage, ..ImageInfo::default() })?;
-    uploader.image(&image, 0, 0, bytemuck::bytes_of(&depth::CLEAR))?;
+    let image = gpu.create_image(&ImageInfo { name, format, usage, ..ImageInfo::default() })?;
+    uploader.image(&image, 0, 0, bytes)?;
     Ok(image)
 }

@@ -7,12 +7,12 @@ use ash::vk;
 use glam::{Mat3, Mat4, Vec3};
 
 use super::draw::{Draw, DrawClass, DrawList};
-use super::textures::{Encoding, TextureImages, depth_texel, sampler, texel};
+use super::textures::{Encoding, TextureImages, depth_texel, sampler, texel, words_texel};
 use super::{AlphaMode, Material, Primitive, Scene, TextureSlot};
 use crate::Result;
 use crate::geometry::Aabb;
 use crate::gpu::{Buffer, BufferInfo, Descriptor, DescriptorSet, Gpu, Image, Memory, SamplerInfo, SetLayout, Uploader};
-use crate::shader::generated::{blocks, surface};
+use crate::shader::generated::{blocks, surface, transparency};
 
 /// A scene in device memory. Dereferences to the scene itself.
 pub struct GpuScene {
@@ -35,6 +35,8 @@ pub struct GpuScene {
     pub white: Image,
     /// One texel of depth 0 (nothing), likewise.
     pub no_depth: Image,
+    /// One texel of four 32-bit words 0, likewise.
+    pub no_words: Image,
     /// All draws.
     pub draws: DrawList,
     /// World-space bounds; a point at the origin where there is nothing.
@@ -93,25 +95,30 @@ impl Scene {
         let white = texel(gpu, &mut uploader, "scene.white", [255; 4])?;
         let flat = texel(gpu, &mut uploader, "scene.flat_normal", [128, 128, 255, 255])?;
         let no_depth = depth_texel(gpu, &mut uploader)?;
-        let material_layout =
-            gpu.set_layout(1, &[&surface::gbuffer::gbuffer_frag::SHADER, &surface::depth::masked_frag::SHADER])?;
+        let no_words = words_texel(gpu, &mut uploader)?;
+        let readers = [
+            &surface::gbuffer::gbuffer_frag::SHADER,
+            &surface::depth::masked_frag::SHADER,
+            &transparency::sorted::sorted_frag::SHADER,
+        ];
+        let material_layout = gpu.set_layout(1, &readers)?;
         let used = self.materials.iter().flat_map(slots).filter_map(|(slot, encoding)| Some((slot?.texture, encoding)));
         let images = TextureImages::upload(gpu, &mut uploader, &self, used)?;
         let plain = gpu.sampler(&SamplerInfo::default())?;
         let mut material_sets = Vec::with_capacity(self.materials.len());
         for (index, material) in self.materials.iter().enumerate() {
-            let mut descriptors = Vec::with_capacity(6);
-            for (binding, (slot, encoding)) in slots(material).into_iter().enumerate() {
+            let mut descriptors = Vec::with_capacity(TEXTURES.len() + 1);
+            for (binding, (slot, encoding)) in TEXTURES.into_iter().zip(slots(material)) {
                 let image = slot.and_then(|slot| Some((slot.texture, images.get(slot.texture, encoding)?)));
                 let descriptor = match image {
                     Some((index, image)) => Descriptor::texture(image, sampler(gpu, &self.textures[index])?),
                     None if encoding == Encoding::Normal => Descriptor::texture(&flat, plain),
                     None => Descriptor::texture(&white, plain),
                 };
-                descriptors.push((binding as u32, descriptor));
+                descriptors.push((binding, descriptor));
             }
             let (offset, size) = (index as u64 * stride, size_of::<blocks::Material>() as u64);
-            descriptors.push((5, Descriptor::Buffer { buffer: materials.clone(), offset, size }));
+            descriptors.push((FACTORS, Descriptor::Buffer { buffer: materials.clone(), offset, size }));
             material_sets.push(gpu.descriptor_set_of(&material.name, &material_layout, &descriptors)?);
         }
 
@@ -128,6 +135,7 @@ impl Scene {
             material_layout,
             white,
             no_depth,
+            no_words,
             draws,
             bounds,
         })
@@ -183,7 +191,7 @@ fn draws_and_instances(scene: &Scene, geometry: &Geometry) -> (DrawList, Vec<blo
                 continue;
             }
             let material = &scene.materials[primitive.material];
-            let class = DrawClass::of(material.alpha_mode);
+            let class = DrawClass::of(material);
             let key = (class, material.double_sided, mirrored, primitive.material, object.mesh, part);
             items.push(Item { key, object: index });
         }
@@ -239,7 +247,7 @@ fn first_blended(scene: &Scene) -> HashMap<(usize, usize), u32> {
     let mut first = HashMap::new();
     for (index, object) in scene.objects.iter().enumerate() {
         for (part, primitive) in scene.meshes[object.mesh].primitives.iter().enumerate() {
-            if scene.materials[primitive.material].alpha_mode == AlphaMode::Blend {
+            if scene.materials[primitive.material].is_blended() {
                 first.insert((index, part), before);
                 before += primitive.indices.len() as u32 / 3;
             }
@@ -275,25 +283,36 @@ fn instance_record(
     }
 }
 
-/// A material's textures in the order of set 1.
-fn slots(material: &Material) -> [(Option<TextureSlot>, Encoding); 5] {
+/// Bindings of set 1: the textures in the order of [`slots`], and the factors.
+const TEXTURES: [u32; 6] = [0, 1, 2, 3, 4, 6];
+const FACTORS: u32 = 5;
+
+/// A material's textures.
+fn slots(material: &Material) -> [(Option<TextureSlot>, Encoding); 6] {
     [
         (material.base_color_texture, Encoding::Srgb),
         (material.metallic_roughness_texture, Encoding::Linear),
         (material.normal_texture, Encoding::Normal),
         (material.occlusion_texture, Encoding::Linear),
         (material.emissive_texture, Encoding::Srgb),
+        (material.transmission_texture, Encoding::Linear),
     ]
 }
 
-/// Which textures a material has, as bits in the order of set 1.
+/// Which textures a material has, as bits in the order of [`slots`].
 fn textures_of(material: &Material) -> u32 {
     slots(material).iter().enumerate().map(|(i, (slot, _))| u32::from(slot.is_some()) << i).sum()
 }
 
 fn material_record(material: &Material) -> blocks::Material {
-    let mut flags = textures_of(material) | u32::from(material.unlit) << 16;
-    let mut rows = [Vec3::ZERO; 10];
+    let alpha = match material.alpha_mode {
+        AlphaMode::Premultiplied => 1 << 17,
+        AlphaMode::Add => 1 << 18,
+        AlphaMode::Opaque => 1 << 19,
+        AlphaMode::Mask { .. } | AlphaMode::Blend => 0,
+    };
+    let mut flags = textures_of(material) | u32::from(material.unlit) << 16 | alpha;
+    let mut rows = [Vec3::ZERO; 12];
     for (i, (slot, _)) in slots(material).into_iter().enumerate() {
         let Some(slot) = slot else { continue };
         flags |= u32::from(slot.uv_set == 1) << (i + 8);
@@ -309,10 +328,11 @@ fn material_record(material: &Material) -> blocks::Material {
         occlusion_strength: material.occlusion_strength,
         alpha_cutoff: match material.alpha_mode {
             AlphaMode::Mask { cutoff } => cutoff,
-            AlphaMode::Opaque | AlphaMode::Blend => 0.0,
+            AlphaMode::Opaque | AlphaMode::Blend | AlphaMode::Premultiplied | AlphaMode::Add => 0.0,
         },
         uv_rows: rows.map(Into::into),
         flags,
+        transmission: if material.is_blended() { material.transmission } else { 0.0 },
     }
 }
 

@@ -20,6 +20,16 @@ pub static TECHNIQUES: &[Technique] = &[
         summary: "deferred shading by punctual lights and a constant environment",
     },
     Technique { family: "shadow", name: "cascaded", summary: "cascaded shadow maps of a directional light" },
+    Technique {
+        family: "shadow",
+        name: "deep",
+        summary: "what comes through blended surfaces of a light's red, green and blue",
+    },
+    Technique {
+        family: "shadow",
+        name: "marched",
+        summary: "shadows of any light by rays through voxels, without maps",
+    },
     Technique { family: "shadow", name: "spot", summary: "a shadow map for each spot light" },
     Technique { family: "surface", name: "depth", summary: "depth pre-pass" },
     Technique { family: "surface", name: "gbuffer", summary: "geometry and material of the first opaque surface" },
@@ -64,6 +74,12 @@ pub static TECHNIQUES: &[Technique] = &[
         name: "weighted",
         summary: "blended materials, averaged with weights that fall with distance, in one pass",
     },
+    Technique {
+        family: "voxel",
+        name: "ambient_occlusion",
+        summary: "how open the space around a surface is, by rays through voxels",
+    },
+    Technique { family: "voxel", name: "atlas", summary: "voxels that the texels of a surface's atlas lie in" },
     Technique {
         family: "voxel",
         name: "attributes",

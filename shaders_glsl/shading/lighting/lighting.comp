@@ -17,6 +17,7 @@ layout(set = 0, binding = 6) uniform texture2D material;
 layout(set = 0, binding = 7) uniform texture2D emissive;
 layout(set = 0, binding = 8) uniform texture2D depth;
 layout(set = 0, binding = 9) uniform texture2DArray masks;
+layout(set = 0, binding = 13) uniform texture2DArray deep_masks; // what comes through blended surfaces
 layout(set = 0, binding = 10) writeonly uniform image2D color; // cd/m², premultiplied
 layout(set = 0, binding = 11) writeonly uniform image2D direct; // cd/m², of the lights alone
 
@@ -55,6 +56,9 @@ void main() {
         }
         if (lights[i].mask >= 0) {
             illuminance *= texelFetch(masks, ivec3(pixel, lights[i].mask), 0).r;
+        }
+        if (lights[i].deep >= 0) {
+            illuminance *= texelFetch(deep_masks, ivec3(pixel, lights[i].deep), 0).rgb;
         }
         lit += illuminance * brdf_cosine(r, n, v, l);
     } while (++i < light_count);

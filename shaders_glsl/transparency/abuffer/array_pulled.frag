@@ -5,5 +5,5 @@
 #include "transparency/abuffer/array_append.glsl"
 
 void main() {
-    append(forward_color(), fragment_key());
+    append(forward_layer(), fragment_key());
 }

@@ -4,5 +4,5 @@
 #include "transparency/abuffer/list_append.glsl"
 
 void main() {
-    append(forward_color(), fragment_key());
+    append(forward_layer(), fragment_key());
 }

@@ -16,8 +16,10 @@ layout(set = 0, binding = 8, rgba32ui) readonly uniform uimage2D odd;
 #define LAYER(i) { \
     ivec2 at = node_texel(pixel.place + min(done + i, pixel.count - 1u)); \
     uvec4 node = in_odd ? imageLoad(odd, at) : imageLoad(even, at); \
-    vec4 layer = node_color(signed_key(node.y), node.zw); \
-    put_behind(front, done + i < pixel.count ? layer : vec4(0.0)); \
+    Layer layer = node_layer(signed_key(node.y), node.zw); \
+    layer.rgb = done + i < pixel.count ? layer.rgb : vec3(0.0); \
+    layer.through = done + i < pixel.count ? layer.through : vec3(1.0); \
+    put_behind(front, layer); \
     clamped = clamped || is_clamped(node.zw); \
 }
 
@@ -27,9 +29,9 @@ void main() {
         return;
     }
     bool in_odd = (merges_of(pixel.count) & 1u) == 1u;
-    vec4 front = vec4(0.0, 0.0, 0.0, 1.0);
+    Gathered front = NOTHING_GATHERED;
     bool clamped = false;
-    for (uint done = 0u; done < pixel.count && front.a > 0.0; done += 8u) {
+    for (uint done = 0u; done < pixel.count && any(greaterThan(front.through, vec3(0.0))); done += 8u) {
         LAYER(0u) LAYER(1u) LAYER(2u) LAYER(3u) LAYER(4u) LAYER(5u) LAYER(6u) LAYER(7u)
     }
     if (clamped) {

@@ -58,6 +58,15 @@ void sort_slots() {
     if (SLOTS > 4u) { each(4) each(5) each(6) each(7) } \
     if (SLOTS > 8u) { each(8) each(9) each(10) each(11) each(12) each(13) each(14) each(15) }
 
+// Whether a pixel of the class of so many slots is at `place` of its class.
+bool short_pixel(uint place, out Pixel pixel) {
+    const uint CLASS = SLOTS == 4u ? 0u : SLOTS == 8u ? 1u : 2u;
+    uint before = (CLASS > 0u ? total.pixels[0] : 0u) + (CLASS > 1u ? total.pixels[1] : 0u);
+    bool there = place < total.pixels[CLASS];
+    pixel = work[before + (there ? place : 0u)];
+    return there;
+}
+
 // Loads node `i` of those that begin at `node`, of which `left` are there.
 #define LOAD_SLOT(i) { \
     uvec4 texel = node_at(node); \

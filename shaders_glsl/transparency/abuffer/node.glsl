@@ -1,19 +1,25 @@
 // Nodes: what the A-buffer keeps of a fragment (Carpenter 1984), in texels of four 32-bit words. An image holds them:
 // software drivers load a texel at once, but a buffer's words one by one for each lane.
 //
-//   format     texels    words
-//   compact    1         depth; key (24 bits) and alpha (8); red, green, blue (9·9·9) and exponent (5); next
-//   half       1         depth; key; red, green (16·16); blue, alpha (16·16)
-//   float      2         depth; key; next; 0  |  red; green; blue; alpha
+//   format             texels   words
+//   compact            1        depth; key (24 bits) and alpha (8); red, green, blue (9·9·9) and exponent (5); next
+//   half               1        depth; key; red, green (16·16); blue, alpha (16·16)
+//   float              2        depth; key; next; 0  |  red; green; blue; alpha
+//   compact, tinted    1        depth; key; red, green, blue (9·9·9) and exponent (5); through (10·10·10)
+//   float, tinted      2        depth; key; through red; green  |  red; green; blue; through blue
+//   transmittance      1        depth; key; through (21·21·21, in two words): no colour
 //
-// `next` is there in lists. Lists of the half format have a second texel for it. Depth is reversed and not negative, so
-// that its bits sort as it does. Of equal depth the larger key is in front.
+// `next` is there in lists. Lists of the formats that do not show it have one texel more for it. Depth is reversed and
+// not negative, so that its bits sort as it does. Of equal depth the larger key is in front.
 
 #include "transparency/composite.glsl"
 
 const uint NODE_COMPACT = 0u;
 const uint NODE_HALF = 1u;
 const uint NODE_FLOAT = 2u;
+const uint NODE_COMPACT_TINTED = 3u;
+const uint NODE_FLOAT_TINTED = 4u;
+const uint NODE_TRANSMITTANCE = 5u;
 
 layout(constant_id = 3) const uint NODE_FORMAT = NODE_COMPACT;
 // Colours are stored as multiples of this, a power of two.
@@ -21,6 +27,15 @@ layout(constant_id = 4) const float NODE_UNIT = 1.0;
 
 // Texels of a row of the nodes' image.
 const uint NODE_ROW = 4096u;
+
+// Texels of a node of an array or a list.
+uint node_texels(bool linked) {
+    if (NODE_FORMAT == NODE_COMPACT) {
+        return 1u;
+    }
+    uint own = NODE_FORMAT == NODE_FLOAT || NODE_FORMAT == NODE_FLOAT_TINTED ? 2u : 1u;
+    return linked && NODE_FORMAT != NODE_FLOAT ? own + 1u : own;
+}
 
 ivec2 node_texel(uint texel) {
     return ivec2(texel % NODE_ROW, texel / NODE_ROW);
@@ -56,29 +71,67 @@ uint pack_key(uint key, float alpha) {
     return NODE_FORMAT == NODE_COMPACT ? key << 8 | uint(clamp(alpha, 0.0, 1.0) * 255.0 + 0.5) : key;
 }
 
-// First texel of a node, of a premultiplied colour.
-uvec4 pack_node(float depth, uint key, vec4 color, uint next) {
-    vec3 rgb = color.rgb * (1.0 / NODE_UNIT);
-    uvec4 node = uvec4(floatBitsToUint(depth), pack_key(key, color.a), next, 0u);
+uint pack_through_10(vec3 through) {
+    uvec3 steps = uvec3(clamp(through, 0.0, 1.0) * 1023.0 + 0.5);
+    return steps.r | steps.g << 10 | steps.b << 20;
+}
+
+vec3 unpack_through_10(uint word) {
+    return vec3(word & 1023u, word >> 10 & 1023u, word >> 20 & 1023u) * (1.0 / 1023.0);
+}
+
+const uint STEPS_21 = 0x1fffffu;
+
+uvec2 pack_through_21(vec3 through) {
+    uvec3 steps = uvec3(clamp(through, 0.0, 1.0) * float(STEPS_21) + 0.5);
+    return uvec2(steps.r | steps.g << 21, steps.g >> 11 | steps.b << 10);
+}
+
+vec3 unpack_through_21(uvec2 words) {
+    uvec3 steps = uvec3(words.x & STEPS_21, (words.x >> 21 | words.y << 11) & STEPS_21, words.y >> 10 & STEPS_21);
+    return vec3(steps) * (1.0 / float(STEPS_21));
+}
+
+// A texel of a node.
+uvec4 pack_node(uint texel, float depth, uint key, Layer layer, uint next) {
+    vec3 rgb = layer.rgb * (1.0 / NODE_UNIT);
+    if (texel == 1u && NODE_FORMAT == NODE_FLOAT) {
+        return floatBitsToUint(vec4(rgb, layer.alpha));
+    }
+    if (texel == 1u && NODE_FORMAT == NODE_FLOAT_TINTED) {
+        return floatBitsToUint(vec4(rgb, layer.through.b));
+    }
+    if (texel > 0u) {
+        return uvec4(next, 0u, 0u, 0u);
+    }
+    uvec4 node = uvec4(floatBitsToUint(depth), pack_key(key, layer.alpha), next, 0u);
     if (NODE_FORMAT == NODE_COMPACT) {
         node.zw = uvec2(pack_shared_exponent(rgb), next);
     } else if (NODE_FORMAT == NODE_HALF) {
         rgb = clamp(rgb, 0.0, HALF_MAX);
-        node.zw = uvec2(packHalf2x16(rgb.rg), packHalf2x16(vec2(rgb.b, color.a)));
+        node.zw = uvec2(packHalf2x16(rgb.rg), packHalf2x16(vec2(rgb.b, layer.alpha)));
+    } else if (NODE_FORMAT == NODE_COMPACT_TINTED) {
+        node.zw = uvec2(pack_shared_exponent(rgb), pack_through_10(layer.through));
+    } else if (NODE_FORMAT == NODE_FLOAT_TINTED) {
+        node.zw = floatBitsToUint(layer.through.rg);
+    } else if (NODE_FORMAT == NODE_TRANSMITTANCE) {
+        node.zw = pack_through_21(layer.through);
     }
     return node;
 }
 
-// Second texel, of formats that have one.
-uvec4 pack_node_rest(vec4 color, uint next) {
-    if (NODE_FORMAT == NODE_HALF) {
-        return uvec4(next, 0u, 0u, 0u);
+// The layer of a node, from its first texel and, of formats that have it there, its second.
+Layer unpack_node(uvec4 node, uvec4 rest) {
+    if (NODE_FORMAT == NODE_COMPACT_TINTED) {
+        return tinted_layer(unpack_shared_exponent(node.z) * NODE_UNIT, unpack_through_10(node.w));
     }
-    return floatBitsToUint(vec4(color.rgb * (1.0 / NODE_UNIT), color.a));
-}
-
-// Premultiplied colour from a node's texels.
-vec4 unpack_color(uvec4 node, uvec4 rest) {
+    if (NODE_FORMAT == NODE_FLOAT_TINTED) {
+        vec3 through = uintBitsToFloat(uvec3(node.zw, rest.w));
+        return tinted_layer(uintBitsToFloat(rest.rgb) * NODE_UNIT, through);
+    }
+    if (NODE_FORMAT == NODE_TRANSMITTANCE) {
+        return tinted_layer(vec3(0.0), unpack_through_21(node.zw));
+    }
     vec4 color;
     if (NODE_FORMAT == NODE_COMPACT) {
         color = vec4(unpack_shared_exponent(node.z), float(node.y & 255u) * (1.0 / 255.0));
@@ -87,5 +140,5 @@ vec4 unpack_color(uvec4 node, uvec4 rest) {
     } else {
         color = uintBitsToFloat(rest);
     }
-    return vec4(color.rgb * NODE_UNIT, color.a);
+    return plain_layer(vec4(color.rgb * NODE_UNIT, color.a));
 }

@@ -4,15 +4,15 @@ layout(constant_id = 6) const bool LINKED = false;
 
 layout(set = 0, binding = 22, rgba32ui) readonly uniform uimage2D nodes;
 
-uint node_texels() {
-    if (NODE_FORMAT == NODE_HALF) {
-        return LINKED ? 2u : 1u;
-    }
-    return NODE_FORMAT == NODE_FLOAT ? 2u : 1u;
+// Whether a node's colour does not fit into its first texel.
+const bool BESIDE = NODE_FORMAT == NODE_FLOAT || NODE_FORMAT == NODE_FLOAT_TINTED;
+
+uvec4 node_at(uint node, uint texel) {
+    return imageLoad(nodes, node_texel(node * node_texels(LINKED) + texel));
 }
 
 uvec4 node_at(uint node) {
-    return imageLoad(nodes, node_texel(node * node_texels()));
+    return node_at(node, 0u);
 }
 
 // What follows `node`, whose first texel is `texel`.
@@ -20,10 +20,10 @@ uint node_after(uint node, uvec4 texel) {
     if (!LINKED) {
         return node + 1u;
     }
-    if (NODE_FORMAT == NODE_HALF) {
-        return imageLoad(nodes, node_texel(node * node_texels() + 1u)).x;
+    if (NODE_FORMAT == NODE_COMPACT) {
+        return texel.w;
     }
-    return NODE_FORMAT == NODE_FLOAT ? texel.z : texel.w;
+    return NODE_FORMAT == NODE_FLOAT ? texel.z : node_at(node, node_texels(true) - 1u).x;
 }
 
 // A key as a signed number that sorts as it does.
@@ -31,20 +31,21 @@ int signed_key(uint key) {
     return int(key ^ 0x80000000u);
 }
 
-// Colour of a node of which only `payload` was kept.
-vec4 node_color(int key, uvec2 payload) {
-    uvec4 rest = NODE_FORMAT == NODE_FLOAT ? imageLoad(nodes, node_texel(payload.x * node_texels() + 1u)) : uvec4(0u);
-    return unpack_color(uvec4(0u, uint(key) ^ 0x80000000u, payload), rest);
+// Layer of a node of which only `payload` was kept.
+Layer node_layer(int key, uvec2 payload) {
+    uvec4 rest = BESIDE ? node_at(payload.x, 1u) : uvec4(0u);
+    uvec2 words = NODE_FORMAT == NODE_FLOAT_TINTED ? node_at(payload.x).zw : payload;
+    return unpack_node(uvec4(0u, uint(key) ^ 0x80000000u, words), rest);
 }
 
-// What a register keeps besides depth and key: the colour, or for floats where it is.
+// What a register keeps besides depth and key: the colour, or where it is.
 uvec2 node_payload(uint node, uvec4 texel) {
-    return NODE_FORMAT == NODE_FLOAT ? uvec2(node, 0u) : texel.zw;
+    return BESIDE ? uvec2(node, 0u) : texel.zw;
 }
 
 // Whether a colour stands at the end of what its format can hold.
 bool is_clamped(uvec2 payload) {
-    if (NODE_FORMAT == NODE_COMPACT) {
+    if (NODE_FORMAT == NODE_COMPACT || NODE_FORMAT == NODE_COMPACT_TINTED) {
         uvec3 m = uvec3(payload.x & 511u, payload.x >> 9 & 511u, payload.x >> 18 & 511u);
         return payload.x >> 27 == 31u && any(equal(m, uvec3(511u)));
     }

@@ -14,25 +14,23 @@ layout(local_size_x = 64) in;
 layout(set = 0, binding = 5, rgba32f) uniform image2D color; // premultiplied
 
 #define COMPOSITE(i) { \
-    vec4 layer = node_color(slot_key[i], slot_payload[i]); \
-    put_behind(front, i < pixel.count ? layer : vec4(0.0)); \
+    Layer layer = node_layer(slot_key[i], slot_payload[i]); \
+    layer.rgb = i < pixel.count ? layer.rgb : vec3(0.0); \
+    layer.through = i < pixel.count ? layer.through : vec3(1.0); \
+    put_behind(front, layer); \
     clamped = clamped || (i < pixel.count && is_clamped(slot_payload[i])); \
 }
 
 void main() {
-    uint place = work_index();
-    const uint CLASS = SLOTS == 4u ? 0u : SLOTS == 8u ? 1u : 2u;
-    if (place >= total.pixels[CLASS]) {
+    Pixel pixel;
+    if (!short_pixel(work_index(), pixel)) {
         return;
     }
-    place += CLASS > 0u ? total.pixels[0] : 0u;
-    place += CLASS > 1u ? total.pixels[1] : 0u;
-    Pixel pixel = work[place];
     uint node = pixel.first;
     uint left = pixel.count;
     EACH_SLOT(LOAD_SLOT)
     sort_slots();
-    vec4 front = vec4(0.0, 0.0, 0.0, 1.0);
+    Gathered front = NOTHING_GATHERED;
     bool clamped = false;
     EACH_SLOT(COMPOSITE)
     if (clamped) {

@@ -107,10 +107,11 @@ pub fn mask(pixel: [u32; 2], key: u32, alpha: f32, samples: u32) -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::layers::through_alpha;
     use super::*;
 
     fn layer(depth: f64, color: [f64; 4]) -> Fragment {
-        Fragment { depth, key: 0, color: color.into(), flat: true }
+        Fragment { depth, key: 0, color: color.into(), through: through_alpha(color[3]), flat: true }
     }
 
     #[test]

@@ -5,7 +5,7 @@
 //!   devices have (Direct3D 11 functional specification, 3.4.2.1).
 //! - Vertices lie on a grid of 1/256 pixel, so that inside or outside is decided in whole numbers.
 //! - Depth is affine over the triangle (28.12.1), with reversed depth: larger is nearer.
-//! - Compositing: Porter and Duff 1984, *over*, premultiplied, nearest first. Of equal depth the larger key is nearer, as
+//! - Compositing: Porter and Duff 1984, *over*, premultiplied, channel by channel, nearest first. Of equal depth the larger key is nearer, as
 //!   if triangles were drawn in the order of their keys.
 
 use glam::{DVec3, DVec4};
@@ -20,8 +20,10 @@ pub struct Triangle {
     pub corners: [[i64; 2]; 3],
     /// Depth at the vertices.
     pub depth: [f64; 3],
-    /// Premultiplied.
+    /// Premultiplied; alpha is what it hides in the mean of the channels.
     pub color: DVec4,
+    /// What it lets through, channel by channel.
+    pub through: DVec3,
     /// Breaks ties.
     pub key: u32,
 }
@@ -33,8 +35,10 @@ pub struct Fragment {
     pub depth: f64,
     /// Breaks ties.
     pub key: u32,
-    /// Premultiplied.
+    /// Premultiplied; alpha is what it hides in the mean of the channels.
     pub color: DVec4,
+    /// What it lets through, channel by channel.
+    pub through: DVec3,
     /// Whether its triangle has one depth everywhere: then no rounding changes it.
     pub flat: bool,
 }
@@ -66,7 +70,8 @@ pub fn rasterise(size: [u32; 2], triangles: &[Triangle]) -> Vec<Vec<Fragment>> {
                 let weights = edges.map(|(e, ..)| e as f64 / (sign * area) as f64);
                 let depth = DVec3::from(weights).dot(DVec3::from(triangle.depth));
                 let depth = if flat { triangle.depth[0] } else { depth };
-                let fragment = Fragment { depth, key: triangle.key, color: triangle.color, flat };
+                let Triangle { key, color, through, .. } = *triangle;
+                let fragment = Fragment { depth, key, color, through, flat };
                 pixels[(y * i64::from(size[0]) + x) as usize].push(fragment);
             }
         }
@@ -92,12 +97,17 @@ pub fn sort(fragments: &mut [Fragment]) {
 
 /// Composites sorted fragments over what is opaque: premultiplied colour and alpha.
 pub fn composite(sorted: &[Fragment], opaque: DVec4) -> DVec4 {
-    let (mut color, mut through) = (DVec3::ZERO, 1.0);
+    let (mut color, mut through) = (DVec3::ZERO, DVec3::ONE);
     for fragment in sorted {
         color += through * fragment.color.truncate();
-        through *= 1.0 - fragment.color.w;
+        through *= fragment.through;
     }
-    (color + through * opaque.truncate()).extend(1.0 - through * (1.0 - opaque.w))
+    (color + through * opaque.truncate()).extend(1.0 - through.element_sum() / 3.0 * (1.0 - opaque.w))
+}
+
+/// What a layer of an alpha lets through.
+pub fn through_alpha(alpha: f64) -> DVec3 {
+    DVec3::splat(1.0 - alpha)
 }
 
 /// Whether rounding of depth may change the order: two fragments at most `margin` apart, not both at an exact depth.
@@ -110,7 +120,7 @@ mod tests {
     use super::*;
 
     fn triangle(corners: [[i64; 2]; 3], depth: [f64; 3]) -> Triangle {
-        Triangle { corners, depth, color: DVec4::new(0.25, 0.0, 0.0, 0.5), key: 0 }
+        Triangle { corners, depth, color: DVec4::new(0.25, 0.0, 0.0, 0.5), through: through_alpha(0.5), key: 0 }
     }
 
     #[test]
@@ -142,7 +152,10 @@ mod tests {
         let found = pixels[8 + 2][0].depth;
         assert!((found - (0.1 * 2.5 + 0.05 * 1.5)).abs() < 1e-15, "{found}");
 
-        let layer = |depth, key, color: [f64; 4]| Fragment { depth, key, color: color.into(), flat: true };
+        let layer = |depth, key, color: [f64; 4]| {
+            let through = through_alpha(color[3]);
+            Fragment { depth, key, color: color.into(), through, flat: true }
+        };
         let mut layers = vec![
             layer(0.2, 0, [0.0, 0.0, 1.0, 1.0]),
             layer(0.5, 1, [0.0, 0.5, 0.0, 0.5]),
@@ -152,6 +165,10 @@ mod tests {
         assert_eq!(layers.iter().map(|layer| layer.key).collect::<Vec<_>>(), [2, 1, 0]);
         assert_eq!(composite(&layers, DVec4::ONE), DVec4::new(0.5, 0.25, 0.25, 1.0));
         assert!(!close_call(&layers, 1e-6));
+        // Red glass before it all keeps red alone.
+        let red = Fragment { through: DVec3::X, ..layer(0.9, 3, [0.0, 0.0, 0.0, 2.0 / 3.0]) };
+        let through_red = composite(&[&[red], &layers[..]].concat(), DVec4::ONE);
+        assert_eq!(through_red, DVec4::new(0.5, 0.0, 0.0, 1.0));
         layers[0].flat = false;
         assert!(close_call(&layers, 1e-6));
     }

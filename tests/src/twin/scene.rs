@@ -31,6 +31,8 @@ pub struct Scene<'a> {
     /// By texture; linear, then sRGB.
     levels: Vec<[OnceLock<Levels>; 2]>,
     bvh: Bvh,
+    /// Whether rays meet what is blended; else they pass through it.
+    sees_blended: bool,
 }
 
 /// A triangle of an object.
@@ -154,7 +156,12 @@ impl<'a> Scene<'a> {
         }
         let bounds: Vec<_> = triangles.iter().map(|t| Bounds::of(t.positions)).collect();
         let levels = source.textures.iter().map(|_| Default::default()).collect();
-        Self { source, triangles, placements, levels, bvh: Bvh::new(&bounds) }
+        Self { source, triangles, placements, levels, bvh: Bvh::new(&bounds), sees_blended: false }
+    }
+
+    /// The same, where rays meet what is blended as well.
+    pub fn seeing_blended(self) -> Self {
+        Self { sees_blended: true, ..self }
     }
 
     /// The box around all triangles, world space.
@@ -208,7 +215,7 @@ impl<'a> Scene<'a> {
         let material = &self.source.materials[triangle.material as usize];
         let front = along_normal * self.placements[triangle.object as usize].handedness < 0.0;
         let culled = rule.culls_backs && !front && !material.double_sided;
-        if !(ray.near <= t && t <= far) || culled || material.alpha_mode == AlphaMode::Blend {
+        if !(ray.near <= t && t <= far) || culled || (material.is_blended() && !self.sees_blended) {
             return None;
         }
         let alpha_excess = match material.alpha_mode {

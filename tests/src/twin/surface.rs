@@ -38,6 +38,8 @@ pub struct Surface {
     pub occlusion: f64,
     /// Linear radiance.
     pub emissive: DVec3,
+    /// Share of the light that enters and passes, 0 to 1.
+    pub transmission: f64,
     /// Seen from the front.
     pub front: bool,
 }
@@ -89,6 +91,7 @@ impl Scene<'_> {
             roughness: f64::from(material.roughness) * rough_metal.y,
             occlusion: 1.0 + f64::from(material.occlusion_strength) * (occlusion - 1.0),
             emissive: material.emissive.as_dvec3() * value(&material.emissive_texture, true).truncate(),
+            transmission: f64::from(material.transmission) * value(&material.transmission_texture, false).x,
             front: hit.front,
         }
     }

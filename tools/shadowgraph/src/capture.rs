@@ -8,7 +8,7 @@ use std::time::Instant;
 use shadowgraph::capture::{
     CapturedFrame, ExrOptions, FrameCapture, PngOptions, auto_exposure, picture, write_deep_exr, write_exr, write_png,
 };
-use shadowgraph::frame::{Selection, Transparency};
+use shadowgraph::frame::Selection;
 use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::{Camera, GpuScene};
@@ -68,11 +68,8 @@ fn render_and_write(
     phases: &mut Phases,
 ) -> Result<Vec<String>> {
     // 1. Render what is wanted, and the picture where a PNG is.
-    let mut wanted = session::frame_settings(&arguments.frame, scene, camera);
+    let mut wanted = session::frame_settings(&arguments.frame, scene, camera)?;
     wanted.deep = arguments.deep.is_some();
-    if wanted.deep {
-        wanted.transparency = Transparency::ABuffer;
-    }
     let mut settings = wanted.clone();
     if let (Some(_), Selection::Only(names)) = (&arguments.png, &mut settings.layers) {
         names.push("color".into());

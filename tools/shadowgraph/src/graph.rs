@@ -26,7 +26,7 @@ pub fn run(arguments: &GraphArguments) -> Result<()> {
     let camera = view::camera(&arguments.frame, &scene)?;
     let gpu = session::open(&arguments.frame.device)?;
     let scene = scene.upload(&gpu)?;
-    let settings = session::frame_settings(&arguments.frame, &scene, &camera);
+    let settings = session::frame_settings(&arguments.frame, &scene, &camera)?;
     let shown = show(arguments, &gpu, &scene, &settings);
     drop(scene);
     let closed = session::close(gpu);

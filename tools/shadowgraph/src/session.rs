@@ -1,11 +1,12 @@
 //! What commands share: a device, a scene on it, and a frame.
 
 use serde::Serialize;
-use shadowgraph::frame::{ABUFFER_REPORT, Frame, FrameSettings, Selection};
+use shadowgraph::frame::{ABUFFER_REPORT, Frame, FrameSettings, Selection, VoxelVisibility};
 use shadowgraph::gpu::{Gpu, GpuOptions, Messages, Severity, Validation};
 use shadowgraph::graph::{Executed, Executor, Graph};
 use shadowgraph::scene::{Camera, GpuScene, Scene};
 use shadowgraph::shader::generated::blocks::ABufferReport;
+use shadowgraph::techniques::shadow::deep::DeepShadow;
 use shadowgraph::techniques::surface::gbuffer::Precision;
 
 use crate::arguments::SceneSource;
@@ -63,16 +64,18 @@ pub fn load(arguments: &FrameArguments) -> Result<Scene> {
 }
 
 /// Settings of a frame as the arguments have them.
-pub fn frame_settings(arguments: &FrameArguments, scene: &Scene, camera: &Camera) -> FrameSettings {
+pub fn frame_settings(arguments: &FrameArguments, scene: &GpuScene, camera: &Camera) -> Result<FrameSettings> {
     let environment = arguments.environment.unwrap_or_else(|| view::sky(scene));
-    FrameSettings {
+    Ok(FrameSettings {
         precision: if arguments.float { Precision::Float } else { Precision::Compact },
         environment: glam::Vec3::splat(environment),
+        voxels: arguments.voxels.map(|resolution| VoxelVisibility::new(resolution, scene)),
         layers: arguments.layers.clone(),
-        transparency: arguments.transparency.into(),
+        transparency: arguments.transparency()?,
+        deep_shadow: arguments.deep_shadows.map(|resolution| DeepShadow { resolution }),
         layer_memory: arguments.layer_memory.map_or(u64::MAX, |mebibytes| mebibytes << 20),
         ..FrameSettings::new(camera.view(arguments.size.0))
-    }
+    })
 }
 
 /// Records a frame. An unknown layer is bad usage, and the known ones are listed.
@@ -132,8 +135,17 @@ pub struct Recipe {
     camera: String,
     sun: Option<[f32; 4]>,
     environment: f32,
+    /// Voxels along a side, where points see through them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    voxels: Option<u32>,
     float: bool,
+    /// Texels a side.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    deep_shadows: Option<u32>,
     transparency: &'static str,
+    /// What it was set to, where it can be: layers kept, samples, number of the weight's equation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    transparency_setting: Option<u32>,
 }
 
 impl Recipe {
@@ -144,8 +156,12 @@ impl Recipe {
             camera: camera.name.clone(),
             sun: arguments.sun.map(|sun| sun.direction.extend(sun.illuminance).to_array()),
             environment: settings.environment.x,
+            voxels: settings.voxels.map(|voxels| voxels.resolution),
             float: arguments.float,
-            transparency: settings.transparency.name(),
+            deep_shadows: arguments.deep_shadows,
+            transparency: settings.composited_by().name(),
+            transparency_setting: (arguments.kept.or(arguments.samples).or(arguments.weight))
+                .filter(|_| settings.composited_by() == settings.transparency),
         }
     }
 }

@@ -9,9 +9,10 @@ use shadowgraph::capture::{VoxelFormat, write_atomically, write_voxel_attributes
 use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::GpuScene;
+use shadowgraph::techniques::voxel::atlas::{Atlas, Charts, Stretch};
 use shadowgraph::techniques::voxel::attributes::{Attributes, VoxelAttributes};
 use shadowgraph::techniques::voxel::bitmask::Bitmask;
-use shadowgraph::techniques::voxel::bricks::{Bricks, Surface};
+use shadowgraph::techniques::voxel::bricks::{Bricks, Thickness};
 use shadowgraph::techniques::voxel::conservative::Conservative;
 use shadowgraph::techniques::voxel::six_separating::SixSeparating;
 use shadowgraph::techniques::voxel::stencil::Stencil;
@@ -48,6 +49,8 @@ struct Description {
     /// Columns along x, y and z in which inside and outside are wrong somewhere, of solids.
     #[serde(skip_serializing_if = "Option::is_none")]
     leaks: Option<[u32; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    atlas: Option<AtlasReport>,
 }
 
 /// What `--json` prints.
@@ -76,6 +79,10 @@ pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
     if arguments.rule.is_some() && !has_rule {
         return Err(Failure::input("--rule is for --method stencil and --method winding"));
     }
+    let of_atlas = arguments.texels.is_some() || arguments.second_uvs || arguments.close;
+    if of_atlas && arguments.method != VoxelMethod::Atlas {
+        return Err(Failure::input("--texels, --second-uvs and --close are for --method atlas"));
+    }
     if arguments.vote && !arguments.method.is_solid() {
         return Err(Failure::input("--vote is for solids: --method bitmask, stencil and winding"));
     }
@@ -101,8 +108,13 @@ pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
     let device = gpu.caps().title();
     let found = scene.upload(&gpu).map_err(Failure::from).and_then(|scene| voxelize(arguments, &gpu, &scene));
     let closed = session::close(gpu);
-    let Found { voxels, attributes, leaks, seconds, bytes } = found?;
+    let Found { voxels, attributes, leaks, atlas, seconds, bytes } = found?;
     closed?;
+    if let Some(AtlasReport { texels, holes, thin }) = atlas.filter(|atlas| atlas.holes > 0) {
+        let remedy =
+            if arguments.close { "a finer one is more than the device draws" } else { "--close makes it finer" };
+        log::warn!("{holes} of {thin} voxels of the thin surface hold no texel of {texels} a voxel: {remedy}");
+    }
     // 3. The file, and beside it what it means.
     let grid = voxels.grid();
     let (path, beside) = (&arguments.output, arguments.output.with_extension("json"));
@@ -122,6 +134,7 @@ pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
         set: voxels.count(),
         open_meshes,
         leaks,
+        atlas,
     };
     match &attributes {
         Some(attributes) => write_voxel_attributes(path, attributes, format)?,
@@ -148,7 +161,7 @@ fn is_in_bricks(arguments: &VoxelizeArguments) -> bool {
 /// What is not for so many voxels.
 fn check_bricks(arguments: &VoxelizeArguments, format: VoxelFormat) -> Result<()> {
     let refused = |what: &str| Err(Failure::input(format!("more than {MOST_WHOLE} voxels an axis are for {what}")));
-    if arguments.method.is_solid() {
+    if !matches!(arguments.method, VoxelMethod::Conservative | VoxelMethod::SixSeparating) {
         return refused("surfaces: --method conservative and six-separating");
     }
     if arguments.attributes {
@@ -182,9 +195,53 @@ struct Found {
     attributes: Option<VoxelAttributes>,
     /// Columns that leak along x, y and z, of solids.
     leaks: Option<[u32; 3]>,
+    atlas: Option<AtlasReport>,
     seconds: f64,
     /// Of transient memory.
     bytes: u64,
+}
+
+/// How fine an atlas is, and what it leaves out.
+#[derive(Clone, Copy, Serialize)]
+struct AtlasReport {
+    /// Texels along a voxel's edge.
+    texels: f32,
+    /// Voxels of the thin surface that hold no texel.
+    holes: u32,
+    /// Voxels of the thin surface.
+    thin: u32,
+}
+
+/// An atlas as fine as asked for, or so fine that it leaves no hole, and what it leaves out.
+fn atlas(arguments: &VoxelizeArguments, gpu: &Gpu, scene: &GpuScene, grid: &Grid) -> Result<(Atlas, AtlasReport)> {
+    let axis = arguments.axis.into();
+    let stretch = arguments.second_uvs.then(|| Stretch::of(scene, grid)).transpose()?;
+    let charts = |texels| stretch.map_or(Charts::ByAxis { per_voxel: texels }, |stretch| stretch.charts(texels));
+    let mut executor = Executor::new(gpu);
+    let mut look = |texels: f32| -> shadowgraph::Result<(Atlas, AtlasReport)> {
+        let atlas = Atlas { axis, charts: charts(texels) };
+        let mut graph = Graph::new("holes", gpu.caps());
+        let thin = SixSeparating { axis, ..SixSeparating::default() }.record(&mut graph, scene, grid)?;
+        let found = atlas.record(&mut graph, scene, grid)?;
+        let holes = Atlas::holes(&mut graph, &thin, &found)?;
+        graph.capture("holes", &holes);
+        graph.capture("thin", &thin.bits);
+        let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
+        let executed = executor.execute(&plan, graph)?;
+        let words = |name| executed.capture(name)?.texels::<u32>();
+        let (holes, thin) = (words("holes")?.iter().sum(), words("thin")?.iter().map(|word| word.count_ones()).sum());
+        Ok((atlas, AtlasReport { texels, holes, thin }))
+    };
+    let mut best = look(arguments.texels.unwrap_or(2.0))?;
+    while arguments.close && best.1.holes > 0 {
+        // What the device cannot draw ends the search.
+        match look(2.0 * best.1.texels) {
+            Ok(finer) => best = finer,
+            Err(shadowgraph::Error::Invalid { .. }) => break,
+            Err(error) => return Err(error.into()),
+        }
+    }
+    Ok(best)
 }
 
 /// The voxels by a method, with columns along an axis.
@@ -201,7 +258,8 @@ fn record<'f>(
         VoxelMethod::Stencil => Stencil { axis, rule, ..Stencil::default() }.record(graph, scene, grid),
         VoxelMethod::Winding => Winding { axis, rule }.record(graph, scene, grid),
         VoxelMethod::Conservative => Conservative { axis, ..Conservative::default() }.record(graph, scene, grid),
-        VoxelMethod::SixSeparating => SixSeparating { axis }.record(graph, scene, grid),
+        VoxelMethod::SixSeparating => SixSeparating { axis, ..SixSeparating::default() }.record(graph, scene, grid),
+        VoxelMethod::Atlas => Atlas { axis, ..Atlas::default() }.record(graph, scene, grid),
     }
 }
 
@@ -212,17 +270,12 @@ fn voxelize(arguments: &VoxelizeArguments, gpu: &Gpu, scene: &GpuScene) -> Resul
     // XOR is the even-odd rule.
     let is_xor = method == VoxelMethod::Bitmask || arguments.rule == Some(RuleName::EvenOdd);
     let rule = if is_xor { FillRule::EvenOdd } else { FillRule::NonZero };
-    let mut graph = Graph::new("voxelize", gpu.caps());
     if is_in_bricks(arguments) {
-        let thin = method == VoxelMethod::SixSeparating;
-        let surface = if thin { Surface::SixSeparating } else { Surface::Conservative };
-        Bricks { surface }.record(&mut graph, scene, &grid)?.capture(&mut graph);
-        let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
-        let executed = Executor::new(gpu).execute(&plan, graph)?;
-        let voxels = Voxels::read_bricks(&executed, &grid)?;
-        let (seconds, bytes) = (began.elapsed().as_secs_f64(), voxels.memory());
-        return Ok(Found { voxels, attributes: None, leaks: None, seconds, bytes });
+        return in_bricks(gpu, scene, &grid, method);
     }
+    let is_atlas = method == VoxelMethod::Atlas;
+    let atlas = is_atlas.then(|| atlas(arguments, gpu, scene, &grid)).transpose()?;
+    let mut graph = Graph::new("voxelize", gpu.caps());
     // 1. The voxels, along one axis or by the vote of three; columns that leak.
     let vote = Vote { rule };
     let leaks = method.is_solid().then(|| vote.leaks(&mut graph, scene, &grid));
@@ -232,7 +285,10 @@ fn voxelize(arguments: &VoxelizeArguments, gpu: &Gpu, scene: &GpuScene) -> Resul
                 [Axis::X, Axis::Y, Axis::Z].map(|axis| record(method, &mut graph, scene, &grid, axis, rule));
             vote.record(&mut graph, [&x?, &y?, &z?], leaks)?
         }
-        None => record(method, &mut graph, scene, &grid, arguments.axis.into(), rule)?,
+        None => match &atlas {
+            Some((atlas, _)) => atlas.record(&mut graph, scene, &grid)?,
+            None => record(method, &mut graph, scene, &grid, arguments.axis.into(), rule)?,
+        },
     };
     graph.capture("voxels", &voxels.bits);
     if let Some(leaks) = &leaks {
@@ -252,5 +308,26 @@ fn voxelize(arguments: &VoxelizeArguments, gpu: &Gpu, scene: &GpuScene) -> Resul
     let leaks = leaks.map(|_| executed.capture("leaks")?.texels::<[u32; 3]>()).transpose()?;
     let leaks = leaks.and_then(|counts| counts.first().copied());
     let seconds = began.elapsed().as_secs_f64();
-    Ok(Found { voxels, attributes, leaks, seconds, bytes: plan.statistics.heap_bytes })
+    Ok(Found {
+        voxels,
+        attributes,
+        leaks,
+        atlas: atlas.map(|(_, report)| report),
+        seconds,
+        bytes: plan.statistics.heap_bytes,
+    })
+}
+
+/// Surfaces of more voxels than fit as a whole.
+fn in_bricks(gpu: &Gpu, scene: &GpuScene, grid: &Grid, method: VoxelMethod) -> Result<Found> {
+    let began = Instant::now();
+    let thin = method == VoxelMethod::SixSeparating;
+    let thickness = if thin { Thickness::SixSeparating } else { Thickness::Conservative };
+    let mut graph = Graph::new("voxelize", gpu.caps());
+    Bricks { thickness }.record(&mut graph, scene, grid)?.capture(&mut graph);
+    let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
+    let executed = Executor::new(gpu).execute(&plan, graph)?;
+    let voxels = Voxels::read_bricks(&executed, grid)?;
+    let (seconds, bytes) = (began.elapsed().as_secs_f64(), voxels.memory());
+    Ok(Found { voxels, attributes: None, leaks: None, atlas: None, seconds, bytes })
 }

@@ -345,6 +345,45 @@ fn every_benchmark_runs() {
 }
 
 #[test]
+fn techniques_of_transparency_take_their_settings() {
+    let folder = tempfile::tempdir().unwrap();
+    let courtyard = ["capture", "builtin:courtyard", "--size", "64x36", "--layers", "color", "--validation"];
+    let with = |more: &[&'static str]| {
+        let file = ["-o", "out.exr", "--reproducible"];
+        succeeds(&folder, &[&courtyard[..], more, &file].concat());
+        fs::read(folder.path().join("out.exr")).unwrap()
+    };
+    for (kind, option, values) in [
+        ("kbuffer", "--kept", ["1", "4"]),
+        ("stochastic", "--samples", ["2", "64"]),
+        ("weighted", "--weight", ["7", "10"]),
+    ] {
+        let written = values.map(|value| with(&["--transparency", kind, option, value]));
+        assert!(written[0] != written[1], "{option} changes nothing");
+        let text = String::from_utf8_lossy(&written[0]).into_owned();
+        assert!(text.contains(&format!("\"transparency_setting\":{}", values[0])), "{kind}");
+        is_refused(
+            &["capture", "builtin:cornell", "-o", "o.exr", option, values[0]],
+            &format!("--transparency {kind}"),
+        );
+    }
+    is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--transparency", "kbuffer", "--kept", "33"], "1..=32");
+}
+
+#[test]
+fn glass_throws_coloured_shadows() {
+    let folder = tempfile::tempdir().unwrap();
+    let courtyard = ["capture", "builtin:courtyard", "--size", "64x36", "--layers", "transmittance", "--validation"];
+    let deep = ["--deep-shadows", "256", "--transparency", "abuffer", "-o", "out.exr"];
+    succeeds(&folder, &[&courtyard[..], &deep].concat());
+    let file = fs::read(folder.path().join("out.exr")).unwrap();
+    assert!(String::from_utf8_lossy(&file).contains("transmittance.sun.R"));
+    // Without them there is no such layer.
+    is_refused(&[&courtyard[..], &["-o", "o.exr"]].concat(), "unknown layer \"transmittance\"");
+    is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--deep-shadows", "4096"], "1..=2048");
+}
+
+#[test]
 fn deep_pictures_are_written() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = ["capture", "builtin:courtyard", "--deep", "deep.exr", "--size", "64x36", "--validation"];

@@ -52,15 +52,24 @@ pub fn write_deep_exr(path: &Path, picture: &DeepPicture) -> Result<()> {
         let mut position = (header.len() + 8 * height) as u64;
         let mut offsets = Vec::with_capacity(8 * height);
         const BLOCK: usize = 256;
+        // Lines that share a compressor: making one costs as much as a line.
+        const LINES: usize = 16;
         for first in (0..height).step_by(BLOCK) {
-            let lines = BLOCK.min(height - first);
-            let chunk = |index: usize| {
-                let line = first + index;
-                let counts = &picture.counts[line * width..(line + 1) * width];
-                Ok(encode(line, counts, &picture.samples[starts[line]..starts[line + 1]], &mut deflater()))
+            let groups = BLOCK.min(height - first).div_ceil(LINES);
+            let chunks = |group: usize| {
+                let begin = first + group * LINES;
+                let mut deflate = deflater();
+                let chunk = |line: usize| {
+                    let counts = &picture.counts[line * width..(line + 1) * width];
+                    encode(line, counts, &picture.samples[starts[line]..starts[line + 1]], &mut deflate)
+                };
+                Ok((begin..height.min(begin + LINES)).map(chunk).collect::<Vec<_>>())
             };
-            let wrong = |index: usize| Error::invalid(format!("scan line {}", first + index), "cannot be encoded");
-            for chunk in parallel::map(lines, chunk, wrong).map_err(std::io::Error::other)? {
+            let wrong = |group: usize| {
+                let begin = first + group * LINES;
+                Error::invalid(format!("scan lines {begin} to {}", height.min(begin + LINES) - 1), "cannot be encoded")
+            };
+            for chunk in parallel::map(groups, chunks, wrong).map_err(std::io::Error::other)?.into_iter().flatten() {
                 offsets.extend_from_slice(&position.to_le_bytes());
                 position += chunk.len() as u64;
                 file.write_all(&chunk)?;

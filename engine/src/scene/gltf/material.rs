@@ -57,6 +57,11 @@ fn material(slots: &mut Slots, source: &json::Material, at: &str) -> Result<Mate
     let Checked::Valid(alpha_mode) = source.alpha_mode else {
         return Err(file.error(at, "alphaMode is none of OPAQUE, MASK, BLEND"));
     };
+    let mut transmission = extensions.and_then(|e| e.transmission.as_ref());
+    if alpha_mode == json::material::AlphaMode::Mask && transmission.is_some() {
+        slots.warnings.push(format!("{at}: transmission has no effect on a material with an alpha cutoff"));
+        transmission = None;
+    }
     let material = Material {
         name: String::new(),
         base_color: Vec4::from(pbr.base_color_factor.0),
@@ -84,6 +89,11 @@ fn material(slots: &mut Slots, source: &json::Material, at: &str) -> Result<Mate
         occlusion_strength: source.occlusion_texture.as_ref().map_or(1.0, |occlusion| occlusion.strength.0),
         emissive: Vec3::from(source.emissive_factor.0) * strength,
         emissive_texture: slots.info(&source.emissive_texture, at, "emissiveTexture")?,
+        transmission: transmission.map_or(0.0, |transmission| transmission.transmission_factor.0),
+        transmission_texture: match transmission {
+            Some(transmission) => slots.info(&transmission.transmission_texture, at, "transmissionTexture")?,
+            None => None,
+        },
         alpha_mode: match alpha_mode {
             json::material::AlphaMode::Opaque => AlphaMode::Opaque,
             json::material::AlphaMode::Mask => AlphaMode::Mask { cutoff: source.alpha_cutoff.unwrap_or_default().0 },
@@ -93,7 +103,8 @@ fn material(slots: &mut Slots, source: &json::Material, at: &str) -> Result<Mate
         unlit: extensions.is_some_and(|e| e.unlit.is_some()),
     };
     let cutoff = if let AlphaMode::Mask { cutoff } = material.alpha_mode { cutoff } else { 0.0 };
-    let factors = [material.metallic, material.roughness, material.normal_scale, material.occlusion_strength, cutoff];
+    let Material { metallic, roughness, normal_scale, occlusion_strength, transmission, .. } = material;
+    let factors = [metallic, roughness, normal_scale, occlusion_strength, transmission, cutoff];
     if !(material.base_color.is_finite() && material.emissive.is_finite() && factors.iter().all(|f| f.is_finite())) {
         return Err(file.error(at, "a factor is not a finite number"));
     }

@@ -2,13 +2,15 @@
 //! a screen mask, and has a GLSL function for points that are not on the screen's first surface.
 
 pub mod cascaded;
+pub mod deep;
+pub mod marched;
 pub mod spot;
 
 use ash::vk;
 
 use crate::gpu::SamplerInfo;
 use crate::graph::ImageHandle;
-use crate::scene::{View, depth};
+use crate::scene::{Light, LightKind, Projection, View, depth};
 
 /// The surfaces that receive shadows.
 pub struct Receivers<'h> {
@@ -18,6 +20,18 @@ pub struct Receivers<'h> {
     pub depth: &'h ImageHandle,
     /// Ids, with the triangle's normal in A: see `surface::gbuffer`.
     pub ids: &'h ImageHandle,
+}
+
+/// Widest cone that one map of a spot covers, half-angle in radians. Beyond it a light has no shadow.
+pub const MAX_HALF_ANGLE: f32 = 80.0 * std::f32::consts::PI / 180.0;
+
+/// A spot light's own view of a scene of this size (metres): `None` for a light that is no spot.
+pub(crate) fn spot_view(light: &Light, scene_size: f32, resolution: u32) -> Option<View> {
+    let LightKind::Spot { position, direction, range, outer, .. } = light.kind else { return None };
+    let near = 1e-3 * scene_size.min(range).max(1e-6);
+    let fov_y = 2.0 * outer.clamp(1e-3, MAX_HALF_ANGLE);
+    let projection = Projection::Perspective { fov_y, near, far: None };
+    Some(View::along(position, direction, projection, [resolution; 2]))
 }
 
 /// Percentage-closer filter (Reeves, Salesin and Cook 1987).

@@ -17,6 +17,8 @@ pub struct ForwardLights<'h> {
     pub cascades: Option<ForwardShadow<'h, blocks::Cascades>>,
     /// Of the spot shadow technique.
     pub spots: Option<ForwardShadow<'h, blocks::SpotMaps>>,
+    /// Of the deep shadow technique.
+    pub deep: Option<ForwardDeep<'h>>,
     /// How shadow maps are sampled.
     pub sampler: SamplerInfo,
     /// Radiance that comes from everywhere, cd/m².
@@ -33,6 +35,16 @@ pub struct ForwardShadow<'h, P> {
     pub taps: u32,
 }
 
+/// What `shadow/deep/visibility.glsl` reads.
+pub struct ForwardDeep<'h> {
+    /// Its uniform block.
+    pub parameters: &'h blocks::DeepMaps,
+    /// Where each texel's steps are.
+    pub spans: &'h ImageHandle,
+    /// The steps.
+    pub steps: &'h ImageHandle,
+}
+
 impl ForwardLights<'_> {
     /// One program for each of these texture sets, with the constants that `forward.glsl` has.
     pub(super) fn programs(&self, program: &Program, scene: &GpuScene, texture_sets: &[u32]) -> Vec<Program> {
@@ -40,6 +52,7 @@ impl ForwardLights<'_> {
             .clone()
             .constant(fragment::CASCADE_TAPS, self.cascades.as_ref().map_or(1, |shadow| shadow.taps))
             .constant(fragment::SPOT_TAPS, self.spots.as_ref().map_or(1, |shadow| shadow.taps))
+            .constant(fragment::DEEP_SHADOWS, self.deep.is_some())
             .set_layout(1, &scene.material_layout);
         texture_sets.iter().map(|&set| program.clone().constant(fragment::TEXTURES, set)).collect()
     }
@@ -74,6 +87,17 @@ impl ForwardLights<'_> {
                 &scene.no_depth,
                 self.sampler,
             ),
+        };
+        let nearest = SamplerInfo::nearest();
+        match &self.deep {
+            Some(deep) => pass
+                .uniform(fragment::DEEP_MAPS, deep.parameters)
+                .sample(fragment::DEEP_SPANS, deep.spans, nearest)
+                .sample(fragment::DEEP_STEPS, deep.steps, nearest),
+            None => pass
+                .uniform(fragment::DEEP_MAPS, &bytemuck::Zeroable::zeroed())
+                .texture(fragment::DEEP_SPANS, &scene.white, nearest)
+                .texture(fragment::DEEP_STEPS, &scene.no_words, nearest),
         };
     }
 }

@@ -221,7 +221,7 @@ impl<'f> Fragments<'f> for Blended<'_, 'f> {
         let materials = matches!(step.needs(), Needs::Alpha | Needs::Shading);
         let texture_sets = if materials { self.texture_sets() } else { Vec::new() };
         Box::new(move |recorder| {
-            scene.draw_by_textures(recorder, &texture_sets, &draws, pull);
+            scene.draw_by_textures(recorder, &texture_sets, &draws, pull, (0, Faces::Material));
             Ok(())
         })
     }

@@ -1,12 +1,13 @@
-//! What both kinds of depth peeling share: how many rounds there are, and what they gather.
+//! What both kinds of depth peeling share: rounds, as many as there are layers, and what they gather.
 
 use ash::vk;
 
-use super::fragments::{Draw, Fragments, count};
+use super::fragments::{Draw, Fragments, Step, count, fragment_pass};
 use crate::Error;
 use crate::graph::{BufferHandle, Checkpoint, Graph, ImageHandle, ImageShape};
 use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::{most_layers_comp, over_opaque_comp, peel_rounds_comp};
+use crate::shader::{ImageSlot, ReadWrite, Shader};
 
 /// Pixels of an invocation that counts: `most_layers.comp`.
 const CHUNK: u32 = 256;
@@ -17,7 +18,7 @@ const AHEAD: u32 = 2;
 const MOST_LAYERS: u32 = 4096;
 
 /// Rounds of peeling, as many as may be needed.
-pub(super) struct Rounds {
+struct Rounds {
     name: &'static str,
     /// Layers of each pixel.
     count: ImageHandle,
@@ -31,7 +32,7 @@ pub(super) struct Rounds {
 
 impl Rounds {
     /// Counts the layers; the host reads how many rounds that makes.
-    pub(super) fn new<'f>(
+    fn new<'f>(
         graph: &mut Graph<'f>,
         name: &'static str,
         depth: &ImageHandle,
@@ -60,17 +61,17 @@ impl Rounds {
     }
 
     /// The numbers of all rounds.
-    pub(super) fn all(&self) -> std::ops::Range<u32> {
+    fn all(&self) -> std::ops::Range<u32> {
         0..self.layers.div_ceil(self.layers_a_round) + AHEAD
     }
 
     /// Workgroups of a round: a buffer and an offset.
-    pub(super) fn groups(&self, round: u32) -> (&BufferHandle, u64) {
+    fn groups(&self, round: u32) -> (&BufferHandle, u64) {
         (&self.groups, 12 * u64::from(round))
     }
 
     /// `draw`, where the round is needed. Fails where no number of rounds is enough.
-    pub(super) fn draw<'f>(&self, round: u32, mut draw: Draw<'f>) -> Draw<'f> {
+    fn draw<'f>(&self, round: u32, mut draw: Draw<'f>) -> Draw<'f> {
         let (told, name, layers, layers_a_round) = (self.told.clone(), self.name, self.layers, self.layers_a_round);
         Box::new(move |recorder| {
             let blocks::MostLayers { most, too_deep } = told.values()?[0];
@@ -86,7 +87,7 @@ impl Rounds {
     }
 
     /// Puts `front` over `color`, where there are layers.
-    pub(super) fn over(&self, graph: &mut Graph, front: &ImageHandle, color: ImageHandle) -> ImageHandle {
+    fn over(&self, graph: &mut Graph, front: &ImageHandle, color: ImageHandle) -> ImageHandle {
         let size = color.size();
         let mut pass = graph.compute(format!("{}.over", self.name), &over_opaque_comp::SHADER);
         pass.read(over_opaque_comp::COUNTS, &self.count).read(over_opaque_comp::FRONT, front);
@@ -97,18 +98,18 @@ impl Rounds {
 }
 
 /// What rounds hand on.
-pub(super) struct Peeled {
+struct Peeled {
     /// States: a layer an end.
-    pub(super) state: ImageHandle,
+    state: ImageHandle,
     /// Results of searches: three layers an end.
-    pub(super) found: ImageHandle,
+    found: ImageHandle,
     /// Gathered from the front; the alpha is what it lets through.
-    pub(super) front: ImageHandle,
+    front: ImageHandle,
 }
 
 impl Peeled {
     /// Nothing is peeled yet, from one end or from both.
-    pub(super) fn nothing(graph: &mut Graph, name: &str, size: [u32; 2], ends: u32) -> Self {
+    fn nothing(graph: &mut Graph, name: &str, size: [u32; 2], ends: u32) -> Self {
         let mut cleared = |what: &str, format, layers, value| {
             let image = graph.image(format!("{name}.{what}"), ImageShape::new_2d(format, size).layers(layers));
             graph.clear(format!("{name}.{what}.begin"), image, value)
@@ -120,5 +121,59 @@ impl Peeled {
             found: cleared("found", vk::Format::R32_UINT, 3 * ends, vk::ClearColorValue::default()),
             front: cleared("front", vk::Format::R32G32B32A32_SFLOAT, 1, clear),
         }
+    }
+}
+
+/// A kind of depth peeling: its step, and where its shaders have what.
+pub(super) struct Peeling {
+    pub(super) name: &'static str,
+    pub(super) step: Step,
+    pub(super) state: ImageSlot<ReadWrite>,
+    pub(super) found: ImageSlot<ReadWrite>,
+    pub(super) front: ImageSlot<ReadWrite>,
+    /// What is opaque, where layers are peeled from the back as well.
+    pub(super) back: Option<ImageSlot<ReadWrite>>,
+    pub(super) advance: &'static Shader,
+    pub(super) advance_state: ImageSlot<ReadWrite>,
+    pub(super) advance_found: ImageSlot<ReadWrite>,
+}
+
+impl Peeling {
+    /// Peels up to `layers` layers of each pixel and composites them over `color`.
+    pub(super) fn composite<'f>(
+        &self,
+        graph: &mut Graph<'f>,
+        depth: &ImageHandle,
+        fragments: &dyn Fragments<'f>,
+        layers: u32,
+        mut color: ImageHandle,
+    ) -> ImageHandle {
+        let Self { name, step, .. } = *self;
+        let ends = if self.back.is_some() { 2 } else { 1 };
+        // 1. How many rounds are needed.
+        let rounds = Rounds::new(graph, name, depth, fragments, layers, ends);
+        let Peeled { mut state, mut found, mut front } = Peeled::nothing(graph, name, depth.size(), ends);
+        for round in rounds.all() {
+            // 2. Each pixel's layer of this round is put behind those before, and the farthest that is left over what is
+            //    opaque, where the step does that; the next are found.
+            let mut pass =
+                fragment_pass(graph, format!("{name}.peel.{round}"), depth, (fragments, step), |program| program);
+            state = pass.write(self.state, state);
+            found = pass.write(self.found, found);
+            front = pass.write(self.front, front);
+            if let Some(back) = self.back {
+                color = pass.write(back, color);
+            }
+            pass.draw(rounds.draw(round, fragments.draw(step)));
+
+            // 3. On to these.
+            let mut pass = graph.compute(format!("{name}.advance.{round}"), self.advance);
+            state = pass.write(self.advance_state, state);
+            found = pass.write(self.advance_found, found);
+            let (groups, offset) = rounds.groups(round);
+            pass.dispatch_indirect(groups, offset);
+        }
+        // 4. What was gathered from the front over all behind.
+        rounds.over(graph, &front, color)
     }
 }

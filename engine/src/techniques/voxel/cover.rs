@@ -10,7 +10,7 @@ use crate::shader::generated::voxel::conservative::cover_vert;
 /// Binds what that shader reads; the pass has a pixel a row of voxels, along whichever axis. Voxels are grown by `spare` on
 /// every side, in voxels, beside what rounding asks for.
 pub(super) fn bind(pass: &mut RasterPass, scene: &GpuScene, grid: &Grid, axis: Axis, spare: f32) {
-    let touch = surface::touch(scene, grid, &surface::triangle_starts(scene));
+    let touch = surface::touch(scene, grid, &surface::triangle_starts(scene, surface::Surfaces::All));
     let side = grid.size().into_iter().max().unwrap_or(1);
     pass.area([side; 2])
         .uniform(cover_vert::VOXEL_GRID, &grid.block(axis))

@@ -8,9 +8,13 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
 use shadowgraph::capture::Compression;
 use shadowgraph::frame::{Selection, Transparency};
+use shadowgraph::techniques::transparency::kbuffer::KBuffer;
+use shadowgraph::techniques::transparency::stochastic::Stochastic;
+use shadowgraph::techniques::transparency::weighted::{Weight, Weighted};
 
 pub use self::voxelize::{RuleName, VoxelMethod, VoxelizeArguments};
 use crate::arguments::{self, SceneSource, Size, Sun};
+use crate::failure::{Failure, Result};
 
 /// Renders a glTF scene with Vulkan and writes every buffer of the frame into one OpenEXR file: colour, depth, normals,
 /// positions, materials, ids, shadows. It needs no window and no graphics card.
@@ -98,14 +102,31 @@ pub struct FrameArguments {
     #[arg(long, value_name = "LUMINANCE", value_parser = arguments::not_negative, allow_hyphen_values = true,
         help_heading = "Light")]
     pub environment: Option<f32>,
+    /// Visibility through so many voxels along each side of the scene: point lights cast shadows, and there is a layer
+    /// ambient_occlusion. What is thinner than a voxel is as thick as one
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(8..=1024), help_heading = "Light")]
+    pub voxels: Option<u32>,
     /// How blended surfaces are composited. Sorted by object is right where objects do not interlock; abuffer, depth-peeling
     /// and dual-depth-peeling are exact in every pixel; the others are approximations whatever the order
     #[arg(long, value_enum, value_name = "KIND", default_value_t = TransparencyKind::Sorted)]
     pub transparency: TransparencyKind,
+    /// Layers of a pixel that `--transparency kbuffer` keeps; otherwise 4
+    #[arg(long, value_name = "LAYERS", value_parser = clap::value_parser!(u32).range(1..=32))]
+    pub kept: Option<u32>,
+    /// Samples a pixel of `--transparency stochastic`; otherwise 8
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub samples: Option<u32>,
+    /// How the weights of `--transparency weighted` fall with distance: the number of McGuire and Bavoil's equation;
+    /// otherwise 7
+    #[arg(long, value_name = "EQUATION", value_parser = clap::value_parser!(u32).range(7..=10))]
+    pub weight: Option<u32>,
     /// Most memory for the layers of `--transparency abuffer`, in MiB; otherwise as much as the device gives. Where it is
     /// not enough, the command fails and says how much would be
     #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..=1 << 30))]
     pub layer_memory: Option<u64>,
+    /// Let blended surfaces and glass throw coloured shadows, by deep shadow maps of so many texels a side, from 1 to 2048
+    #[arg(long, value_name = "TEXELS", value_parser = clap::value_parser!(u32).range(1..=2048), help_heading = "Light")]
+    pub deep_shadows: Option<u32>,
     /// Layers to keep, by name or by first part of the name, between commas: color,Z,N,id. What no layer needs is not
     /// rendered. An unknown name makes the command list the known ones
     #[arg(long, value_name = "LIST|all", value_parser = arguments::layers, default_value = "all")]
@@ -131,29 +152,55 @@ pub enum TransparencyKind {
     DepthPeeling,
     /// Every layer of every pixel, two a pass from both ends.
     DualDepthPeeling,
-    /// All layers averaged, the nearer ones with more weight.
+    /// All layers averaged, the nearer ones with more weight (--weight).
     Weighted,
-    /// The four nearest layers of every pixel, and an average of all others behind them.
+    /// The nearest layers of every pixel (--kept), and an average of all others behind them.
     #[value(name = "kbuffer")]
     KBuffer,
     /// All layers, as visible as four moments of what hides them tell.
     Moments,
-    /// All layers, as visible as eight random samples tell.
+    /// All layers, as visible as random samples tell (--samples).
     Stochastic,
 }
 
-impl From<TransparencyKind> for Transparency {
-    fn from(kind: TransparencyKind) -> Self {
-        match kind {
-            TransparencyKind::Sorted => Self::Sorted,
-            TransparencyKind::ABuffer => Self::ABuffer,
-            TransparencyKind::DepthPeeling => Self::DepthPeeling(Default::default()),
-            TransparencyKind::DualDepthPeeling => Self::DualDepthPeeling(Default::default()),
-            TransparencyKind::Weighted => Self::Weighted(Default::default()),
-            TransparencyKind::KBuffer => Self::KBuffer(Default::default()),
-            TransparencyKind::Moments => Self::Moments(Default::default()),
-            TransparencyKind::Stochastic => Self::Stochastic(Default::default()),
+impl FrameArguments {
+    /// The technique of transparency with its settings. Bad usage where one is given that the technique does not have.
+    pub fn transparency(&self) -> Result<Transparency> {
+        use TransparencyKind as Kind;
+        let options = [
+            ("--kept", self.kept, Kind::KBuffer, "kbuffer"),
+            ("--samples", self.samples, Kind::Stochastic, "stochastic"),
+            ("--weight", self.weight, Kind::Weighted, "weighted"),
+        ];
+        if let Some((option, .., name)) =
+            options.iter().find(|(_, value, kind, _)| value.is_some() && *kind != self.transparency)
+        {
+            return Err(Failure::input(format!("{option} belongs to --transparency {name}")));
         }
+        Ok(match self.transparency {
+            Kind::Sorted => Transparency::Sorted,
+            Kind::ABuffer => Transparency::ABuffer,
+            Kind::DepthPeeling => Transparency::DepthPeeling(Default::default()),
+            Kind::DualDepthPeeling => Transparency::DualDepthPeeling(Default::default()),
+            Kind::Weighted => {
+                let weight = match self.weight {
+                    Some(8) => Weight::Equation8,
+                    Some(9) => Weight::Equation9,
+                    Some(10) => Weight::Equation10,
+                    _ => Weight::Equation7,
+                };
+                Transparency::Weighted(Weighted { weight })
+            }
+            Kind::KBuffer => {
+                let default = KBuffer::default();
+                Transparency::KBuffer(KBuffer { kept: self.kept.unwrap_or(default.kept) })
+            }
+            Kind::Moments => Transparency::Moments(Default::default()),
+            Kind::Stochastic => {
+                let default = Stochastic::default();
+                Transparency::Stochastic(Stochastic { samples: self.samples.unwrap_or(default.samples) })
+            }
+        })
     }
 }
 
@@ -176,8 +223,10 @@ pub struct DebugArguments {
 #[command(after_help = "\
 Layers: color (R,G,B,A), Z (distance along the view axis, m), N (normal) and P (position) in world space, \
 albedo, roughness, metallic, occlusion, emissive, direct (light that came straight from lamps), id.object, \
-id.primitive, id.material (from 1; names in the header), shadow.LIGHT, cascade.index, abuffer.count and \
-abuffer.front.Z (layers, and how far the nearest is; with --transparency abuffer), and shadow maps as parts map.LIGHT.
+id.primitive, id.material (from 1; names in the header), shadow.LIGHT, transmittance.LIGHT (what comes through glass; \
+with --deep-shadows), cascade.index, abuffer.count and abuffer.front.Z (layers, and how far the nearest is; with \
+--transparency abuffer), ambient_occlusion (the open share of the space around; with --voxels), and shadow maps as parts \
+map.LIGHT.
 
 Examples:
   shadowgraph capture scene.glb -o out.exr

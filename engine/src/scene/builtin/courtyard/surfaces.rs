@@ -115,7 +115,8 @@ fn recipes() -> Vec<Recipe> {
         |surface, name, material| painted(surface, name, 0, [1.0; 2], |_, _| Texel::default(), false, false, material);
     let glass = |surface, name, [r, g, b]: [f32; 3], alpha: f32| {
         let base_color = Vec4::new(r, g, b, alpha);
-        plain(surface, name, Material { base_color, alpha_mode: AlphaMode::Blend, ..both_sides(0.08) })
+        let alpha_mode = AlphaMode::Blend;
+        plain(surface, name, Material { base_color, transmission: 0.9, alpha_mode, ..both_sides(0.08) })
     };
     let mut recipes = vec![
         painted(Surface::Ashlar, "ashlar", 256, [3.0, 2.4], ashlar, true, false, matte(0.9)),
@@ -153,7 +154,7 @@ fn recipes() -> Vec<Recipe> {
             stained_glass,
             true,
             false,
-            Material { alpha_mode: AlphaMode::Blend, ..both_sides(0.15) },
+            Material { transmission: 0.9, alpha_mode: AlphaMode::Blend, ..both_sides(0.15) },
         ),
         plain(
             Surface::FallingWater,

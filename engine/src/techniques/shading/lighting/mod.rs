@@ -31,6 +31,8 @@ pub struct LightingInput<'h> {
     pub lights: &'h blocks::Lights,
     /// Visibility of lights by layer, 1 is lit; `None` where no light has a mask.
     pub masks: Option<&'h ImageHandle>,
+    /// What comes through blended surfaces, by layer; `None` where no light has a deep shadow map.
+    pub deep_masks: Option<&'h ImageHandle>,
 }
 
 /// Radiance towards the camera, cd/m², 32-bit floats (a half-float may saturate in silence), premultiplied; alpha is 0 where there is no surface.
@@ -59,6 +61,10 @@ impl Lighting {
         match input.masks {
             Some(masks) => pass.read(shader::MASKS, masks),
             None => pass.texture(shader::MASKS, &scene.white, SamplerInfo::nearest()),
+        };
+        match input.deep_masks {
+            Some(masks) => pass.read(shader::DEEP_MASKS, masks),
+            None => pass.texture(shader::DEEP_MASKS, &scene.white, SamplerInfo::nearest()),
         };
         let color = pass.write(shader::COLOR, color);
         let direct = pass.write(shader::DIRECT, direct);

@@ -3,14 +3,12 @@
 use ash::vk;
 use glam::Vec3;
 
-use super::{Filter, Receivers, map_sampler};
+pub use super::MAX_HALF_ANGLE;
+use super::{Filter, Receivers, map_sampler, spot_view};
 use crate::graph::{Graph, ImageHandle, ImageShape};
-use crate::scene::{Faces, GpuScene, Light, LightKind, Projection, View, ViewSet};
+use crate::scene::{Faces, GpuScene, Light, LightKind, View, ViewSet};
 use crate::shader::generated::blocks;
 use crate::shader::generated::shadow::spot::mask_comp as shader;
-
-/// Widest cone that one map covers, half-angle in radians. Beyond it a light has no shadow.
-pub const MAX_HALF_ANGLE: f32 = 80.0 * std::f32::consts::PI / 180.0;
 
 /// Most spot lights with a shadow; `MAX_SPOTS` in `visibility.glsl`.
 pub const MAX_SPOTS: usize = 64;
@@ -50,11 +48,7 @@ impl Spot {
 
     /// The light's own view of the scene: `None` for a light that is no spot.
     pub fn view(&self, light: &Light, scene_size: f32) -> Option<View> {
-        let LightKind::Spot { position, direction, range, outer, .. } = light.kind else { return None };
-        let near = 1e-3 * scene_size.min(range).max(1e-6);
-        let fov_y = 2.0 * outer.clamp(1e-3, MAX_HALF_ANGLE);
-        let projection = Projection::Perspective { fov_y, near, far: None };
-        Some(View::along(position, direction, projection, [self.resolution; 2]))
+        spot_view(light, scene_size, self.resolution)
     }
 
     /// Renders a map for each of `lights` (spots all) and writes their masks, a layer each; nothing where there are

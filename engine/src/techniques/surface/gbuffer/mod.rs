@@ -5,7 +5,7 @@ use ash::vk;
 
 use crate::gpu::Feature;
 use crate::graph::{Graph, ImageHandle, ImageShape, Load};
-use crate::scene::{DrawClass, GpuScene, SHADED, View, ViewSet};
+use crate::scene::{DrawClass, Faces, GpuScene, SHADED, View, ViewSet};
 use crate::shader::Program;
 use crate::shader::generated::surface::gbuffer::{
     gbuffer_frag, gbuffer_pulled_frag, gbuffer_pulled_vert, gbuffer_vert,
@@ -103,7 +103,7 @@ impl GBuffer {
         pass.draw(move |recorder| {
             for class in [DrawClass::Opaque, DrawClass::Masked] {
                 let draws = scene.draws.visible(class, &frusta);
-                scene.draw_by_textures(recorder, &texture_sets, &draws, pull);
+                scene.draw_by_textures(recorder, &texture_sets, &draws, pull, (0, Faces::Material));
             }
             Ok(())
         });

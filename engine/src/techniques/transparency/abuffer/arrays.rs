@@ -5,13 +5,22 @@ use ash::vk;
 use super::resolve::Resolved;
 use super::scan::{chunks_of, scan, work};
 use super::{ABuffer, Built, Composited};
-use crate::graph::{Graph, ImageHandle};
+use crate::graph::{BufferHandle, Graph, ImageHandle};
 use crate::scene::View;
 use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::abuffer::{array_frag, check_comp, scan_offsets_comp};
 use crate::techniques::transparency::fragments::{Fragments, Step, count, fragment_pass};
 
 const NAME: &str = "abuffer";
+
+/// Arrays that were filled.
+pub(super) struct Arrays {
+    pub(super) built: Built,
+    /// Fragments of each pixel, R32 float.
+    pub(super) count: ImageHandle,
+    /// By pixel, the end of its array.
+    cursors: BufferHandle,
+}
 
 impl ABuffer {
     pub(super) fn by_arrays<'f>(
@@ -22,15 +31,38 @@ impl ABuffer {
         fragments: &dyn Fragments<'f>,
         color: ImageHandle,
     ) -> Composited {
+        // 1. Arrays of exactly the right size, filled.
+        let Arrays { built, count, cursors } = self.arrays(graph, NAME, depth, fragments);
+
+        // 2. Whether nothing was lost.
+        let mut resolved = Resolved::new(graph, color);
+        let mut pass = graph.compute("abuffer.check", &check_comp::SHADER);
+        pass.read(check_comp::WORK, &built.work).read(check_comp::CURSORS, &cursors);
+        resolved.report = pass.write(check_comp::REPORT, resolved.report);
+        pass.dispatch_indirect(&built.scanned.totals, std::mem::offset_of!(blocks::Totals, work_groups) as u64);
+
+        // 3. Sort and composite.
+        let Resolved { color, report, front } = self.resolve(graph, view, &built, resolved);
+        Composited { color, count, front, nodes: Some(built.nodes), report, totals: built.scanned.told, counter: None }
+    }
+
+    /// Fills an array for each pixel. `name` stands before the names of passes and resources.
+    pub(super) fn arrays<'f>(
+        &self,
+        graph: &mut Graph<'f>,
+        name: &'static str,
+        depth: &ImageHandle,
+        fragments: &dyn Fragments<'f>,
+    ) -> Arrays {
         let size = depth.size();
 
         // 1. How many fragments each pixel has, how many there are, and where each pixel's begin.
-        let count = count(graph, NAME, depth, fragments);
+        let count = count(graph, name, depth, fragments);
         let frame = graph.data(&[blocks::ABufferFrame { size, capacity: 0, used: 1 }]);
-        let scanned = scan(graph, NAME, &count, frame);
-        let work = work(graph, NAME, &scanned.told);
-        let cursors = graph.buffer("abuffer.cursors", 4 * u64::from(size[0]) * u64::from(size[1]));
-        let mut pass = graph.compute("abuffer.scan.offsets", &scan_offsets_comp::SHADER);
+        let scanned = scan(graph, name, &count, frame);
+        let work = work(graph, name, &scanned.told);
+        let cursors = graph.buffer(format!("{name}.cursors"), 4 * u64::from(size[0]) * u64::from(size[1]));
+        let mut pass = graph.compute(format!("{name}.scan.offsets"), &scan_offsets_comp::SHADER);
         pass.uniform_data(scan_offsets_comp::ABUFFER, frame)
             .read(scan_offsets_comp::COUNTS, &count)
             .read(scan_offsets_comp::CHUNKS, &scanned.chunks)
@@ -41,36 +73,22 @@ impl ABuffer {
         pass.dispatch([chunks_of(size) as u32, 1, 1]);
 
         // 2. Arrays of exactly that size, filled.
-        let (nodes, frame) = {
-            let (this, caps) = (*self, graph.caps());
-            let nodes =
-                graph.image_after(&scanned.told, "abuffer.nodes", vk::Format::R32G32B32A32_UINT, move |totals| {
-                    this.nodes_size(caps, u64::from(totals[0].total.nodes), false)
-                });
-            let frame = graph.data_after(&scanned.told, move |totals| blocks::ABufferFrame {
-                size,
-                capacity: totals[0].total.nodes,
-                used: 1,
-            });
-            (nodes, frame)
-        };
+        let (this, caps) = (*self, graph.caps());
+        let format = vk::Format::R32G32B32A32_UINT;
+        let nodes = graph.image_after(&scanned.told, format!("{name}.nodes"), format, move |totals| {
+            this.nodes_size(caps, u64::from(totals[0].total.nodes), false)
+        });
+        let frame = graph.data_after(&scanned.told, move |totals| blocks::ABufferFrame {
+            size,
+            capacity: totals[0].total.nodes,
+            used: 1,
+        });
         let specialize = |program| self.specialized(program);
-        let mut pass = fragment_pass(graph, "abuffer.fill", depth, (fragments, Step::Arrays), specialize);
+        let mut pass = fragment_pass(graph, format!("{name}.fill"), depth, (fragments, Step::Arrays), specialize);
         pass.uniform_data(array_frag::ABUFFER, frame);
         let nodes = pass.write(array_frag::NODES, nodes);
         let cursors = pass.write(array_frag::CURSORS, cursors);
         pass.draw(fragments.draw(Step::Arrays));
-
-        // 3. Whether nothing was lost.
-        let mut resolved = Resolved::new(graph, color);
-        let mut pass = graph.compute("abuffer.check", &check_comp::SHADER);
-        pass.read(check_comp::WORK, &work).read(check_comp::CURSORS, &cursors);
-        resolved.report = pass.write(check_comp::REPORT, resolved.report);
-        pass.dispatch_indirect(&scanned.totals, std::mem::offset_of!(blocks::Totals, work_groups) as u64);
-
-        // 4. Sort and composite.
-        let built = Built { name: NAME, nodes, linked: false, scanned, work, frame };
-        let Resolved { color, report, front } = self.resolve(graph, view, &built, resolved);
-        Composited { color, count, front, nodes: Some(built.nodes), report, totals: built.scanned.told, counter: None }
+        Arrays { built: Built { name, nodes, linked: false, scanned, work, frame }, count, cursors }
     }
 }

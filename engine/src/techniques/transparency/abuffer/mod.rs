@@ -9,9 +9,11 @@ mod lists;
 mod node;
 mod resolve;
 mod scan;
+mod sorted;
 
 pub use node::{COMPACT_TRIANGLES, Node, NodeFormat};
 pub use resolve::MOST_LAYERS;
+pub use sorted::{MOST_SORTED, SortedLists};
 
 use self::scan::Scanned;
 use crate::graph::{BufferHandle, Checkpoint, Data, Graph, ImageHandle};

@@ -22,6 +22,12 @@ pub enum NodeFormat {
     Half,
     /// 32-bit floats: 32 bytes a node.
     Float,
+    /// RGB9E5, and what is let through channel by channel, 10 bits each: 16 bytes a node, 32 in lists.
+    CompactTinted,
+    /// 32-bit floats, and what is let through channel by channel: 32 bytes a node, 48 in lists.
+    FloatTinted,
+    /// What is let through alone, 21 bits a channel, and no colour: 16 bytes a node, 32 in lists.
+    Transmittance,
 }
 
 /// Bytes of a texel of nodes.
@@ -34,8 +40,9 @@ impl NodeFormat {
     fn texels(self, linked: bool) -> u64 {
         match self {
             Self::Compact => 1,
-            Self::Half => 1 + u64::from(linked),
+            Self::Half | Self::CompactTinted | Self::Transmittance => 1 + u64::from(linked),
             Self::Float => 2,
+            Self::FloatTinted => 2 + u64::from(linked),
         }
     }
 
@@ -45,7 +52,16 @@ impl NodeFormat {
             Self::Compact => 0,
             Self::Half => 1,
             Self::Float => 2,
+            Self::CompactTinted => 3,
+            Self::FloatTinted => 4,
+            Self::Transmittance => 5,
         }
+    }
+
+    /// Whether light that passes through a layer is multiplied channel by channel. Other formats keep one alpha, and
+    /// materials have no transmission.
+    pub fn is_tinted(self) -> bool {
+        matches!(self, Self::CompactTinted | Self::FloatTinted | Self::Transmittance)
     }
 }
 
@@ -56,8 +72,10 @@ pub struct Node {
     pub depth: f32,
     /// Of nodes of equal depth, the one of the larger key is in front.
     pub key: u32,
-    /// Premultiplied.
+    /// Premultiplied. The alpha of tinted layers is the channels' mean.
     pub color: [f32; 4],
+    /// What it lets through, channel by channel.
+    pub through: [f32; 3],
 }
 
 /// Size of an image of so many texels, at least of one row.
@@ -107,26 +125,49 @@ impl ABuffer {
         let halves = |word: u32| [word as u16, (word >> 16) as u16].map(|bits| f16::from_bits(bits).to_f32());
         let node = |texels: &[[u32; 4]]| {
             let [depth, key, low, high] = texels[0];
-            let color = match self.format {
-                NodeFormat::Compact => scaled(shared_exponent(low), (key & 255) as f32 / 255.0),
+            let plain = |color: [f32; 4]| (color, [1.0 - color[3]; 3]);
+            let tinted = |color: [f32; 3], through: [f32; 3]| (scaled(color, 1.0 - mean(through)), through);
+            let (color, through) = match self.format {
+                NodeFormat::Compact => plain(scaled(shared_exponent(low), (key & 255) as f32 / 255.0)),
                 NodeFormat::Half => {
                     let ([red, green], [blue, alpha]) = (halves(low), halves(high));
-                    scaled([red, green, blue], alpha)
+                    plain(scaled([red, green, blue], alpha))
                 }
                 NodeFormat::Float => {
                     let [red, green, blue, alpha] = texels[1].map(float);
-                    scaled([red, green, blue], alpha)
+                    plain(scaled([red, green, blue], alpha))
+                }
+                NodeFormat::CompactTinted => {
+                    let through = [high, high >> 10, high >> 20].map(|steps| (steps & 1023) as f32 / 1023.0);
+                    tinted(shared_exponent(low), through)
+                }
+                NodeFormat::FloatTinted => {
+                    let [red, green, blue, last] = texels[1].map(float);
+                    tinted([red, green, blue], [float(low), float(high), last])
+                }
+                NodeFormat::Transmittance => {
+                    const MOST: u64 = (1 << 21) - 1;
+                    let words = u64::from(low) | u64::from(high) << 32;
+                    tinted([0.0; 3], [0, 21, 42].map(|bit| (words >> bit & MOST) as f32 / MOST as f32))
                 }
             };
-            Node { depth: float(depth), key, color }
+            Node { depth: float(depth), key, color, through }
         };
         texels.chunks_exact(self.format.texels(false) as usize).map(node).collect()
     }
 
     /// `program` with the constants of `node.glsl`.
     pub(super) fn specialized(&self, program: Program) -> Program {
-        program.constant(shader::NODE_FORMAT, self.format.number()).constant(shader::NODE_UNIT, self.unit())
+        program
+            .constant(shader::NODE_FORMAT, self.format.number())
+            .constant(shader::NODE_UNIT, self.unit())
+            .constant(shader::TINTED, self.format.is_tinted())
     }
+}
+
+/// The channels' mean, as `layer.glsl` has it.
+fn mean([red, green, blue]: [f32; 3]) -> f32 {
+    green + ((red - green) + (blue - green)) * (1.0 / 3.0)
 }
 
 /// Red, green and blue of RGB9E5 (`EXT_texture_shared_exponent`).
@@ -147,13 +188,27 @@ mod tests {
         // 2⁻¹ · (256, 128, 1) / 256, as RGB9E5 has it: mantissas of nine bits, scale 2^(exponent - 24).
         let shared = 256 | 128 << 9 | 1 << 18 | 15 << 27;
         let color = [1.0, 0.5, 1.0 / 256.0, 1.0];
-        let node = Node { depth: 0.25, key: 7 << 8 | 255, color };
+        let node = Node { depth: 0.25, key: 7 << 8 | 255, color, through: [0.0; 3] };
         assert_eq!(unpacked(NodeFormat::Compact, &[[depth, 7 << 8 | 255, shared, 0]]), [node]);
         let half = |value: f32| u32::from(f16::from_f32(value).to_bits());
         let texel = [depth, 9, half(0.5) | half(0.25) << 16, half(1.5) | half(0.75) << 16];
-        let node = Node { depth: 0.25, key: 9, color: [1.0, 0.5, 3.0, 0.75] };
+        let node = Node { depth: 0.25, key: 9, color: [1.0, 0.5, 3.0, 0.75], through: [0.25; 3] };
         assert_eq!(unpacked(NodeFormat::Half, &[texel]), [node]);
         let second = [0.5_f32, 0.25, 1.5, 0.75].map(f32::to_bits);
         assert_eq!(unpacked(NodeFormat::Float, &[[depth, 9, 0, 0], second]), [node]);
+        // Channel by channel.
+        let through = [1.0, 0.0, 0.5];
+        let tinted = Node { color: [1.0, 0.5, 3.0, 0.5], through, ..node };
+        let [first, second] = [[1.0_f32, 0.0], [0.5, 0.5]].map(|pair| pair.map(f32::to_bits));
+        let texels =
+            [[depth, 9, first[0], first[1]], [0.5_f32.to_bits(), 0.25_f32.to_bits(), 1.5_f32.to_bits(), second[1]]];
+        assert_eq!(unpacked(NodeFormat::FloatTinted, &texels), [tinted]);
+        let compact = unpacked(NodeFormat::CompactTinted, &[[depth, 9, shared, 1023 | 512 << 20]]);
+        assert_eq!(compact[0].through, [1.0, 0.0, 512.0 / 1023.0]);
+        // Red all, green nothing but its highest bit, blue all.
+        let most = (1_u32 << 21) - 1;
+        let words = u64::from(most) | 1 << 41 | u64::from(most) << 42;
+        let node = unpacked(NodeFormat::Transmittance, &[[depth, 9, words as u32, (words >> 32) as u32]])[0];
+        assert_eq!(node.through, [1.0, (1 << 20) as f32 / most as f32, 1.0]);
     }
 }

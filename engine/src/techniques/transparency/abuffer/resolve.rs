@@ -14,7 +14,7 @@ use crate::shader::generated::transparency::abuffer::{
 };
 
 /// Nodes that fit into registers: `scan.glsl`.
-const SHORT: u32 = 16;
+pub(super) const SHORT: u32 = 16;
 /// Nodes of a run, and how often runs are merged: `totals.glsl`.
 const RUN: u32 = 2048;
 const MERGES: u32 = 8;
@@ -23,10 +23,10 @@ const MERGES: u32 = 8;
 pub const MOST_LAYERS: u32 = RUN << MERGES;
 
 /// Bytes of a count of workgroups.
-const GROUPS: u64 = 12;
+pub(super) const GROUPS: u64 = 12;
 
 /// Where `Totals` has the workgroups of an invocation a long pixel.
-const LONG_GROUPS: u64 = offset_of!(blocks::Totals, class_groups) as u64 + 3 * GROUPS;
+pub(super) const LONG_GROUPS: u64 = offset_of!(blocks::Totals, class_groups) as u64 + 3 * GROUPS;
 
 /// What is composited onto.
 pub(super) struct Resolved {
@@ -76,10 +76,10 @@ impl ABuffer {
         Resolved { color, report, front }
     }
 
-    /// Pixels of more nodes: sorted in memory. Where there are none, nothing is dispatched.
-    fn long(&self, graph: &mut Graph, built: &Built, onto: Resolved) -> Resolved {
-        let Resolved { color, report, front } = onto;
-        let Built { name, scanned, frame, .. } = built;
+    /// Pixels of more nodes: sorted in memory. Where there are none, nothing is dispatched. Gives two images; after an
+    /// even number of merges a pixel's nodes are in the first.
+    pub(super) fn merged(&self, graph: &mut Graph, built: &Built) -> [ImageHandle; 2] {
+        let Built { name, scanned, .. } = built;
         let totals = &scanned.totals;
         let mut sorted = |which: &str| {
             let format = vk::Format::R32G32B32A32_UINT;
@@ -121,12 +121,18 @@ impl ABuffer {
             pass.dispatch_indirect(totals, groups);
             (even, odd) = if merge % 2 == 0 { (to, from) } else { (from, to) };
         }
+        [even, odd]
+    }
 
-        // 4. Nearest first.
+    /// Composites pixels of more nodes.
+    fn long(&self, graph: &mut Graph, built: &Built, onto: Resolved) -> Resolved {
+        let Resolved { color, report, front } = onto;
+        let Built { name, scanned, frame, .. } = built;
+        let [even, odd] = self.merged(graph, built);
         let mut pass = graph.compute(format!("{name}.long.composite"), &long_composite_comp::SHADER);
         pass.uniform_data(long_composite_comp::ABUFFER, *frame)
             .read(long_composite_comp::NODES, &built.nodes)
-            .read(long_composite_comp::TOTALS, totals)
+            .read(long_composite_comp::TOTALS, &scanned.totals)
             .read(long_composite_comp::WORK, &built.work)
             .read(long_composite_comp::EVEN, &even)
             .read(long_composite_comp::ODD, &odd)
@@ -135,7 +141,7 @@ impl ABuffer {
             .specialize(long_composite_comp::LINKED, built.linked);
         let color = pass.write(long_composite_comp::COLOR, color);
         let report = pass.write(long_composite_comp::REPORT, report);
-        pass.dispatch_indirect(totals, LONG_GROUPS);
+        pass.dispatch_indirect(&scanned.totals, LONG_GROUPS);
         Resolved { color, report, front }
     }
 

@@ -5,13 +5,11 @@
 //! in front, so that no layer is lost (`peeling.glsl`).
 
 use super::OrderIndependent;
-use super::fragments::{Fragments, Step, fragment_pass};
-use super::peeling::{Peeled, Rounds};
+use super::fragments::{Fragments, Step};
+use super::peeling::Peeling;
 use crate::graph::{Graph, ImageHandle};
 use crate::scene::View;
 use crate::shader::generated::transparency::depth_peeling::{advance_comp, peel_frag};
-
-const NAME: &str = "depth_peeling";
 
 /// Depth peeling, from the front.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,26 +33,17 @@ impl OrderIndependent for DepthPeeling {
         fragments: &dyn Fragments<'f>,
         color: ImageHandle,
     ) -> ImageHandle {
-        // 1. How many rounds are needed.
-        let rounds = Rounds::new(graph, NAME, depth, fragments, self.layers, 1);
-        let Peeled { mut state, mut found, mut front } = Peeled::nothing(graph, NAME, depth.size(), 1);
-        for round in rounds.all() {
-            // 2. Each pixel's layer of this round is put behind those before, and the next is found.
-            let name = format!("{NAME}.peel.{round}");
-            let mut pass = fragment_pass(graph, name, depth, (fragments, Step::Peel), |program| program);
-            state = pass.write(peel_frag::PEELED, state);
-            found = pass.write(peel_frag::FOUND, found);
-            front = pass.write(peel_frag::FRONT, front);
-            pass.draw(rounds.draw(round, fragments.draw(Step::Peel)));
-
-            // 3. On to the next.
-            let mut pass = graph.compute(format!("{NAME}.advance.{round}"), &advance_comp::SHADER);
-            state = pass.write(advance_comp::PEELED, state);
-            found = pass.write(advance_comp::FOUND, found);
-            let (groups, offset) = rounds.groups(round);
-            pass.dispatch_indirect(groups, offset);
-        }
-        // 4. All over what is opaque.
-        rounds.over(graph, &front, color)
+        let peeling = Peeling {
+            name: "depth_peeling",
+            step: Step::Peel,
+            state: peel_frag::PEELED,
+            found: peel_frag::FOUND,
+            front: peel_frag::FRONT,
+            back: None,
+            advance: &advance_comp::SHADER,
+            advance_state: advance_comp::PEELED,
+            advance_found: advance_comp::FOUND,
+        };
+        peeling.composite(graph, depth, fragments, self.layers, color)
     }
 }

@@ -4,7 +4,7 @@
 use super::forward::ForwardLights;
 use crate::gpu::blend;
 use crate::graph::{Graph, ImageHandle, Load};
-use crate::scene::{DrawClass, GpuScene, SHADED, View, ViewSet, depth};
+use crate::scene::{DrawClass, Faces, GpuScene, SHADED, View, ViewSet, depth};
 use crate::shader::Program;
 use crate::shader::generated::transparency::sorted::{sorted_frag as fragment, sorted_vert as vertex};
 
@@ -40,7 +40,7 @@ impl Sorted {
         let color = pass.color(fragment::COLOR, color, Load::Keep);
         pass.draw(move |recorder| {
             let draws = scene.draws.back_to_front(&frustum, eye);
-            scene.draw_by_textures(recorder, &texture_sets, &draws, false);
+            scene.draw_by_textures(recorder, &texture_sets, &draws, false, (0, Faces::Material));
             Ok(())
         });
         color

@@ -68,7 +68,8 @@ impl Attributes {
             let sums = records(graph, &told, format!("voxel.{name}.sums"), 8 * values);
             graph.fill(format!("voxel.{name}.clear"), sums, 0)
         });
-        let scales = scales(scene, surface::triangle_starts(scene).last().copied().unwrap_or(0));
+        let scales =
+            scales(scene, surface::triangle_starts(scene, surface::Surfaces::All).last().copied().unwrap_or(0));
         let sums = sum(graph, scene, voxels, &firsts, sums, &scales);
         // 3. Averages.
         let [albedo, normals, emission] =

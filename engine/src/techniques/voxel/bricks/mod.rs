@@ -21,12 +21,12 @@ pub(super) const BRICK_WORDS: usize = 16;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Bricks {
     /// Which voxels are set.
-    pub surface: Surface,
+    pub thickness: Thickness,
 }
 
 /// Which voxels make up a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Surface {
+pub enum Thickness {
     /// Those of [`super::conservative::Conservative`].
     #[default]
     Conservative,
@@ -73,9 +73,9 @@ impl Bricks {
         let bricks = graph.buffer_after(&told, "voxel.bricks", move |total| size * u64::from(total[0].total.max(1)));
         let bricks = graph.fill("voxel.bricks.clear", bricks, 0);
         // 3. Their voxels.
-        let fragment = match self.surface {
-            Surface::Conservative => &touched_frag::SHADER,
-            Surface::SixSeparating => &thin_frag::SHADER,
+        let fragment = match self.thickness {
+            Thickness::Conservative => &touched_frag::SHADER,
+            Thickness::SixSeparating => &thin_frag::SHADER,
         };
         let mut pass = graph.raster("voxel.bricks.mark", vec![Program::new(&cover_vert::SHADER, Some(fragment))]);
         cover::bind(&mut pass, scene, grid, Axis::Z, 0.0);

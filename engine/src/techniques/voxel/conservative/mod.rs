@@ -4,7 +4,7 @@
 //! Parallel Surface and Solid Voxelization on GPUs", section 3, for a triangle an invocation and columns of voxels;
 //! Hasselgren, Akenine-Möller and Ohlsson 2005, "Conservative Rasterization", GPU Gems 2, for triangles moved apart.
 
-use super::{Axis, Grid, VoxelBits, cover, surface};
+use super::{Axis, Grid, Surfaces, VoxelBits, cover, surface};
 use crate::Result;
 use crate::geometry::Aabb;
 use crate::graph::Graph;
@@ -39,9 +39,14 @@ impl Conservative {
     /// [`crate::Error::Invalid`] where the device cannot bind so many bits at once.
     pub fn record<'f>(&self, graph: &mut Graph<'f>, scene: &'f GpuScene, grid: &Grid) -> Result<VoxelBits> {
         match self.pipeline {
-            Pipeline::Compute => {
-                surface::record(graph, scene, grid, self.axis, [&small_comp::SHADER, &large_comp::SHADER])
-            }
+            Pipeline::Compute => surface::record(
+                graph,
+                scene,
+                grid,
+                self.axis,
+                Surfaces::All,
+                [&small_comp::SHADER, &large_comp::SHADER],
+            ),
             Pipeline::Raster => self.rasterize(graph, scene, grid),
         }
     }
