@@ -3,7 +3,7 @@
 // What blocks the way from point to point: the bits of a grid, and a pyramid over them to skip what is empty.
 
 layout(set = 0, binding = 1, scalar) uniform PyramidLevels {
-    uint level_begins[11]; // words
+    uint level_begins[12]; // words
     uint coarsest; // level that walks begin at; 0: voxels alone
 };
 layout(set = 0, binding = 2, scalar) readonly buffer Bits {

@@ -249,10 +249,11 @@ pub fn colored(attributes: &VoxelAttributes) -> Picture {
     Picture { exposure: 1.3, ..lit(attributes.voxels(), albedo) }
 }
 
-fn lit(voxels: &Voxels, color: impl Fn([u32; 3]) -> [f32; 3]) -> Picture {
+/// The same in any colours.
+pub fn lit(voxels: &Voxels, color: impl Fn([u32; 3]) -> [f32; 3]) -> Picture {
     let [nx, ny, nz] = voxels.grid().size();
     let depth = |x: u32, y: u32| (0..nz).rev().find(|&z| voxels.get([x, y, z]));
-    let scale = 3;
+    let scale = if nx > 300 { 1 } else { 3 };
     let mut pixels = Vec::new();
     for row in 0..scale * ny {
         for column in 0..scale * nx {
@@ -261,7 +262,7 @@ fn lit(voxels: &Voxels, color: impl Fn([u32; 3]) -> [f32; 3]) -> Picture {
                 let slope = |other: Option<u32>| (z as f32 - other.unwrap_or(0) as f32).clamp(-3.0, 3.0);
                 let (left, up) = (slope(depth(x.wrapping_sub(1), y)), slope(depth(x, y + 1)));
                 let normal = Vec3::new(-left, up, 1.6).normalize();
-                let grid_line = if column % scale == 0 || row % scale == 0 { 0.8 } else { 1.0 };
+                let grid_line = if scale > 1 && (column % scale == 0 || row % scale == 0) { 0.8 } else { 1.0 };
                 let lit = grid_line * (0.15 + 0.85 * normal.dot(Vec3::new(-0.4, 0.6, 0.7).normalize()).max(0.0));
                 color([x, y, z]).map(|c| c * lit)
             });

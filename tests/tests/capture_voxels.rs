@@ -32,7 +32,7 @@ fn written(voxels: &Voxels, name: &str) -> Vec<u8> {
 
 /// Those set, in the order x, y, z.
 fn set(voxels: &Voxels) -> BTreeSet<[u32; 3]> {
-    voxels.grid().voxels().filter(|&voxel| voxels.get(voxel)).collect()
+    voxels.set().collect()
 }
 
 #[test]

@@ -260,7 +260,7 @@ fn parts_make_up_the_surface() {
 }
 
 #[test]
-fn what_lies_on_a_plane_of_the_grid_is_on_both_sides() {
+fn portable_what_lies_on_a_plane_of_the_grid_is_on_both_sides() {
     let gpu = shared();
     let executor = &mut Executor::new(gpu);
     let quad =
@@ -281,7 +281,7 @@ fn what_lies_on_a_plane_of_the_grid_is_on_both_sides() {
 }
 
 #[test]
-fn sums_of_many_parts_lose_nothing() {
+fn portable_sums_of_many_parts_lose_nothing() {
     let gpu = shared();
     let executor = &mut Executor::new(gpu);
     // A square a thousand times, of a colour that sums hold exactly.

@@ -1,6 +1,8 @@
 //! Walks through bits against whole numbers on the host, and against rays through the triangles.
 #![allow(missing_docs, clippy::unwrap_used)]
 
+use std::collections::HashMap;
+
 use glam::{DVec3, Mat4, Vec3};
 use shadowgraph::Result;
 use shadowgraph::gpu::Gpu;
@@ -12,8 +14,8 @@ use shadowgraph::techniques::voxel::conservative::Conservative;
 use shadowgraph::techniques::voxel::ray_marching::{RayMarching, Segment};
 use shadowgraph::techniques::voxel::{Axis, Grid, Level, Occluders, VoxelBits, Voxels};
 use shadowgraph_tests::device::{shared, silent};
-use shadowgraph_tests::figures::{self, Figure};
-use shadowgraph_tests::solids::{awkward, bounds, one, soup, torus};
+use shadowgraph_tests::figures::{self, Figure, Picture};
+use shadowgraph_tests::solids::{self, awkward, bounds, lit, one, soup, torus};
 use shadowgraph_tests::twin::scene::{Ray, Rule};
 use shadowgraph_tests::{harness, parallel, tiny, twin};
 
@@ -159,7 +161,7 @@ fn voxel_ray_marching_agrees_with_its_reference() {
     let mut figures = vec![exactly(gpu)];
     figures.extend(against_triangles(gpu));
     silent(gpu);
-    figures::publish(gpu, "voxel", "ray_marching", &figures, None);
+    figures::publish(gpu, "voxel", "ray_marching", &figures, picture(gpu).as_ref());
 }
 
 /// Against whole numbers, bit for bit.
@@ -298,6 +300,42 @@ fn against_triangles(gpu: &Gpu) -> Vec<Figure> {
         of("surface", &|graph, scene| Conservative::default().record(graph, scene, &grid));
     }
     figures
+}
+
+/// A scene's voxels from the front, with what of a sun and of the sky is seen from before each.
+fn picture(gpu: &Gpu) -> Option<Picture> {
+    const SKY: usize = 24;
+    let scene = Scene::load(&harness::require_scene("Koala/Koala.glb")?).unwrap();
+    let grid = Grid::around(&bounds(&scene), 160).unwrap();
+    let solid = solids::voxelize(gpu, &scene, &grid, |graph, scene| Bitmask::default().record(graph, scene, &grid));
+    let [nx, ny, nz] = grid.size();
+    let front = |[x, y]: [u32; 2]| (0..nz).rev().map(|z| [x, y, z]).find(|&voxel| solid.get(voxel));
+    let seen: Vec<_> = (0..nx).flat_map(|x| (0..ny).map(move |y| [x, y])).filter_map(front).collect();
+    // A sun, and directions all over the front half of a sphere.
+    let sun = Vec3::new(-0.8, 1.0, 0.6).normalize() * 400.0;
+    let sky = (0..SKY).map(|i| {
+        let (z, turn) = ((i as f32 + 0.5) / SKY as f32, 2.399_963 * i as f32);
+        let (sin, cos) = turn.sin_cos();
+        let across = (1.0 - z * z).sqrt();
+        Vec3::new(across * cos, across * sin, z) * 24.0
+    });
+    let ways: Vec<Vec3> = std::iter::once(sun).chain(sky).map(|way| way * grid.edge()).collect();
+    let before = |[x, y, z]: [u32; 3]| grid.center([x, y, z]) + Vec3::Z * grid.edge();
+    let segments: Vec<Ends> =
+        seen.iter().flat_map(|&voxel| ways.iter().map(move |&way| [before(voxel), before(voxel) + way])).collect();
+    let marched = march(gpu, &scene, &grid, &segments, |graph, scene| Bitmask::default().record(graph, scene, &grid));
+    let blocked = marched.blocked.last()?;
+    let light: HashMap<[u32; 3], f32> = seen
+        .iter()
+        .zip(blocked.chunks(ways.len()))
+        .map(|(&voxel, blocked)| {
+            let open = blocked[1..].iter().filter(|&&word| word == 0).count() as f32 / SKY as f32;
+            (voxel, 0.45 * open + if blocked[0] == 0 { 0.9 } else { 0.0 })
+        })
+        .collect();
+    let lit = lit(&solid, |voxel| [0.75, 0.68, 0.6].map(|c| c * light.get(&voxel).copied().unwrap_or(0.0)));
+    let caption = "160³ voxels; what a sun and the sky see of each, by segments through their bits".into();
+    Some(Picture { caption, ..lit })
 }
 
 #[test]

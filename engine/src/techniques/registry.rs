@@ -86,6 +86,7 @@ pub static TECHNIQUES: &[Technique] = &[
         summary: "what surfaces are like in each voxel, averaged by area",
     },
     Technique { family: "voxel", name: "bitmask", summary: "solid voxelization by XOR of column bits, in one pass" },
+    Technique { family: "voxel", name: "bricks", summary: "surface voxels of grids that would not fit as a whole" },
     Technique { family: "voxel", name: "conservative", summary: "every voxel that a triangle touches" },
     Technique { family: "voxel", name: "ray_marching", summary: "which points see which, through the bits of a grid" },
     Technique { family: "voxel", name: "six_separating", summary: "voxels of thin surfaces without leaks" },

@@ -1,17 +1,12 @@
 // The part of a triangle in a voxel: its area, and its middle in barycentric coordinates.
 
 struct Part {
-    float area; // voxel sides squared
+    float share; // of the triangle's area
     vec3 middle;
 };
 
 // A triangle and six planes give nine corners at most.
 const int MOST_CORNERS = 9;
-
-struct Corner {
-    vec3 place; // from the voxel's centre
-    vec3 weights;
-};
 
 // Of the point of a triangle that is about nearest to the origin, where it lies just beside the triangle.
 vec3 nearest(vec3 a, vec3 b, vec3 c) {
@@ -24,59 +19,66 @@ vec3 nearest(vec3 a, vec3 b, vec3 c) {
     return weights / max(weights.x + weights.y + weights.z, 1e-6);
 }
 
-// By Sutherland and Hodgman 1974, "Reentrant Polygon Clipping". `a`, `b`, `c`: corners, column coordinates.
+// By Sutherland and Hodgman 1974, "Reentrant Polygon Clipping". `a`, `b`, `c`: corners, column coordinates. Corners of the
+// part are weights of `b` and `c`: the whole triangle has an area of one half in them. Each lane takes the planes it crosses,
+// since a software driver runs what any lane does for all.
 Part part_in(vec3 a, vec3 b, vec3 c, ivec3 voxel) {
-    Corner corners[MOST_CORNERS];
-    corners[0] = Corner(from_center(a, voxel), vec3(1.0, 0.0, 0.0));
-    corners[1] = Corner(from_center(b, voxel), vec3(0.0, 1.0, 0.0));
-    corners[2] = Corner(from_center(c, voxel), vec3(0.0, 0.0, 1.0));
-    vec3 least = min(corners[0].place, min(corners[1].place, corners[2].place));
-    vec3 most = max(corners[0].place, max(corners[1].place, corners[2].place));
+    a = from_center(a, voxel);
+    b = from_center(b, voxel);
+    c = from_center(c, voxel);
+    vec3 least = min(a, min(b, c));
+    vec3 most = max(a, max(b, c));
+    uint planes = 0u; // 2 · axis, and one more for the lower side
+    for (int axis = 0; axis < 3; ++axis) {
+        planes |= (uint(most[axis] > 0.5) | uint(least[axis] < -0.5) << 1) << (2 * axis);
+    }
+    vec2 corners[MOST_CORNERS];
+    corners[0] = vec2(0.0);
+    corners[1] = vec2(1.0, 0.0);
+    corners[2] = vec2(0.0, 1.0);
     int count = 3;
-    for (int plane = 0; plane < 6; ++plane) {
+    while (planes != 0u) {
+        int plane = findLSB(planes);
+        planes &= planes - 1u;
         int axis = plane >> 1;
         float side = (plane & 1) == 0 ? 1.0 : -1.0;
-        if ((side > 0.0 ? most[axis] : -least[axis]) <= 0.5) {
-            continue;
-        }
-        Corner kept[MOST_CORNERS];
+        // How far inside a corner with these weights is.
+        float start = 0.5 - side * a[axis];
+        vec2 slope = -side * vec2(b[axis] - a[axis], c[axis] - a[axis]);
+        vec2 kept[MOST_CORNERS];
         int kept_count = 0;
+        vec2 here = corners[0];
+        float inside = start + dot(slope, here);
         for (int i = 0; i < count; ++i) {
-            Corner here = corners[i];
-            Corner next = corners[i + 1 == count ? 0 : i + 1];
-            float inside = 0.5 - side * here.place[axis];
-            float next_inside = 0.5 - side * next.place[axis];
-            if (inside >= 0.0 && kept_count < MOST_CORNERS) {
-                kept[kept_count++] = here;
+            vec2 next = corners[i + 1 < count ? i + 1 : 0];
+            float next_inside = start + dot(slope, next);
+            if (inside >= 0.0) {
+                kept[min(kept_count++, MOST_CORNERS - 1)] = here;
             }
-            if ((inside >= 0.0) != (next_inside >= 0.0) && kept_count < MOST_CORNERS) {
-                float way = inside / (inside - next_inside);
-                kept[kept_count++] = Corner(mix(here.place, next.place, way), mix(here.weights, next.weights, way));
+            if ((inside >= 0.0) != (next_inside >= 0.0)) {
+                kept[min(kept_count++, MOST_CORNERS - 1)] = mix(here, next, inside / (inside - next_inside));
             }
+            here = next;
+            inside = next_inside;
         }
         corners = kept;
-        count = kept_count;
+        count = min(kept_count, MOST_CORNERS);
     }
     // A fan of triangles, each with its area and its middle.
     Part part = Part(0.0, vec3(0.0));
-    vec3 sum = vec3(0.0);
-    for (int i = 1; i + 1 < count; ++i) {
-        vec3 first = corners[i].place - corners[0].place;
-        vec3 second = corners[i + 1].place - corners[0].place;
-        float area = 0.5 * length(cross(first, second));
-        part.area += area;
-        sum += area * (corners[0].weights + corners[i].weights + corners[i + 1].weights) / 3.0;
-    }
-    if (part.area > 0.0) {
-        part.middle = sum / part.area;
-        return part;
+    vec2 sum = vec2(0.0);
+    vec2 mean = vec2(0.0);
+    vec2 last = vec2(0.0);
+    for (int i = 0; i < count; ++i) {
+        vec2 corner = corners[i] - corners[0];
+        float share = abs(last.x * corner.y - last.y * corner.x);
+        part.share += share;
+        sum += share * (last + corner) / 3.0;
+        mean += corner / float(count);
+        last = corner;
     }
     // What only touches has no area: its corners' middle, or where nothing is left the place nearest to the voxel.
-    for (int i = 0; i < count; ++i) {
-        part.middle += corners[i].weights / float(count);
-    }
-    if (count == 0) {
-        part.middle = nearest(from_center(a, voxel), from_center(b, voxel), from_center(c, voxel));
-    }
+    vec2 middle = corners[0] + (part.share > 0.0 ? sum / part.share : mean);
+    part.middle = count == 0 ? nearest(a, b, c) : vec3(1.0 - middle.x - middle.y, middle);
     return part;
 }

@@ -10,6 +10,8 @@
 
 layout(location = 3) flat in uvec4 vertices; // of the triangle; its instance
 
+layout(constant_id = 1) const bool EMITS = true; // anything in the scene
+
 layout(push_constant, scalar) uniform AttributesPush {
     uint is_opaque; // alpha does not count
 };
@@ -82,7 +84,7 @@ Attributes attributes_at(vec3 middle, float share) {
     uint corners[3] = uint[](vertices.x, vertices.y, vertices.z);
     vec3 normal = vec3(0.0);
     vec3 tangent = vec3(0.0);
-    for (int i = 0; i < 3; ++i) {
+    for (uint i = 0u; i < scales.channels; ++i) {
         ShadingVertex vertex = shading_vertices[corners[i]];
         vec3 n = transform_normal(instance, vertex.normal);
         normal += middle[i] * n * inversesqrt(max(dot(n, n), 1e-30));
@@ -102,7 +104,7 @@ Attributes attributes_at(vec3 middle, float share) {
     found.normal = normal;
 
     found.emission = vec3(0.0);
-    if (scales.greatest_emission > 0.0) {
+    if (EMITS) {
         found.emission = material.emissive / scales.greatest_emission;
         if (has_texture(TEXTURE_EMISSIVE)) {
             found.emission *= SAMPLE(TEXTURE_EMISSIVE, emissive_texture).rgb;
@@ -123,10 +125,10 @@ void add(uint place, float area, Attributes found) {
     uvec3 albedo = uvec3(round(clamp(found.albedo, 0.0, 1.0) * ONE));
     uvec3 normal = uvec3(round(clamp(found.normal, -1.0, 1.0) * NORMAL_ONE) + NORMAL_ONE);
     uvec3 emission = uvec3(round(clamp(found.emission, 0.0, 1.0) * ONE));
-    for (uint i = 0u; i < 3u; ++i) {
+    for (uint i = 0u; i < scales.channels; ++i) {
         ADD(albedo_sums, 3u * place + i, seen, albedo[i])
         ADD(normal_sums, 3u * place + i, seen, normal[i])
-        if (emission[i] != 0u) {
+        if (EMITS) {
             ADD(emission_sums, 3u * place + i, seen, emission[i])
         }
     }
@@ -135,17 +137,24 @@ void add(uint place, float area, Attributes found) {
 void main() {
     Row row = fragment_row();
     float whole = 0.5 * length(row.triangle.normal);
-    for (int k = row.part.x; k <= row.part.y; ++k) {
-        ivec3 voxel = row.voxel;
-        voxel[row.axis] = k;
-        uint word = word_index(uvec2(voxel.xy), uint(voxel.z) / 32u);
-        uint bit = 1u << (uint(voxel.z) % 32u);
-        uint set = bits[word];
-        if ((set & bit) != 0u && makes_up(row.triangle, voxel)) {
+    for (int first = row.part.x; first <= row.part.y; first += 32) {
+        // 1. Which voxels of the row count: what follows is too much to be done for the others.
+        uint found = 0u;
+        for (int k = first; k <= min(first + 31, row.part.y); ++k) {
+            ivec3 voxel = row.voxel;
+            voxel[row.axis] = k;
+            uint set = bits[word_index(uvec2(voxel.xy), uint(voxel.z) / 32u)] >> (uint(voxel.z) % 32u) & 1u;
+            found |= (set & uint(makes_up(row.triangle, voxel))) << (k - first);
+        }
+        // 2. What the triangle adds to each.
+        while (found != 0u) {
+            ivec3 voxel = row.voxel;
+            voxel[row.axis] = first + findLSB(found);
+            found &= found - 1u;
             Part part = part_in(corner_a, corner_b, corner_c, voxel);
-            float share = whole > 0.0 ? min(part.area / whole, 1.0) : 0.0;
-            uint place = firsts[word] + bitCount(set & (bit - 1u));
-            add(place, part.area, attributes_at(part.middle, share));
+            uint word = word_index(uvec2(voxel.xy), uint(voxel.z) / 32u);
+            uint below = bits[word] & ((1u << (uint(voxel.z) % 32u)) - 1u);
+            add(firsts[word] + bitCount(below), part.share * whole, attributes_at(part.middle, part.share));
         }
     }
 }

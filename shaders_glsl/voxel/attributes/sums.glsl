@@ -5,6 +5,7 @@
 layout(set = 0, binding = 12, scalar) uniform AttributeScales {
     float area_scale; // units of weight in a voxel's side squared
     float greatest_emission; // cd/m²; 0: nothing emits
+    uint channels; // 3. A loop with an end that the driver knows is compiled once for each turn
 } scales;
 
 const float ALPHA_ONE = 255.0;

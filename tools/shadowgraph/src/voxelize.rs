@@ -12,6 +12,7 @@ use shadowgraph::scene::GpuScene;
 use shadowgraph::techniques::voxel::atlas::{Atlas, Charts, Stretch};
 use shadowgraph::techniques::voxel::attributes::{Attributes, VoxelAttributes};
 use shadowgraph::techniques::voxel::bitmask::Bitmask;
+use shadowgraph::techniques::voxel::bricks::{Bricks, Thickness};
 use shadowgraph::techniques::voxel::conservative::Conservative;
 use shadowgraph::techniques::voxel::six_separating::SixSeparating;
 use shadowgraph::techniques::voxel::stencil::Stencil;
@@ -88,6 +89,9 @@ pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
     if arguments.attributes && !format.holds_attributes() {
         return Err(Failure::input("--attributes is for files that hold them: .vox and .exr"));
     }
+    if is_in_bricks(arguments) {
+        check_bricks(arguments, format)?;
+    }
     // 1. A scene of closed surfaces, or a warning where solids are wanted.
     let scene = session::scene(&arguments.scene)?;
     let open_meshes: Vec<_> = scene.open_meshes().iter().map(|&(name, edges)| (name.to_string(), edges)).collect();
@@ -145,6 +149,28 @@ pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
     }
     let set = description.set;
     print(format!("wrote {} and {}: {set} of {x}×{y}×{z} voxels are set", path.display(), beside.display()))
+}
+
+/// Most voxels an axis that are found as a whole.
+const MOST_WHOLE: u32 = 1024;
+
+fn is_in_bricks(arguments: &VoxelizeArguments) -> bool {
+    arguments.resolution.0.into_iter().any(|n| n > MOST_WHOLE)
+}
+
+/// What is not for so many voxels.
+fn check_bricks(arguments: &VoxelizeArguments, format: VoxelFormat) -> Result<()> {
+    let refused = |what: &str| Err(Failure::input(format!("more than {MOST_WHOLE} voxels an axis are for {what}")));
+    if !matches!(arguments.method, VoxelMethod::Conservative | VoxelMethod::SixSeparating) {
+        return refused("surfaces: --method conservative and six-separating");
+    }
+    if arguments.attributes {
+        return refused("voxels without --attributes");
+    }
+    match format {
+        VoxelFormat::PackedNpy | VoxelFormat::Binvox | VoxelFormat::Vox | VoxelFormat::Png => Ok(()),
+        VoxelFormat::Npy | VoxelFormat::Exr | VoxelFormat::Glb => refused(".vox, .binvox, .packed.npy and .png files"),
+    }
 }
 
 /// As the command line has it.
@@ -244,6 +270,9 @@ fn voxelize(arguments: &VoxelizeArguments, gpu: &Gpu, scene: &GpuScene) -> Resul
     // XOR is the even-odd rule.
     let is_xor = method == VoxelMethod::Bitmask || arguments.rule == Some(RuleName::EvenOdd);
     let rule = if is_xor { FillRule::EvenOdd } else { FillRule::NonZero };
+    if is_in_bricks(arguments) {
+        return in_bricks(gpu, scene, &grid, method);
+    }
     let is_atlas = method == VoxelMethod::Atlas;
     let atlas = is_atlas.then(|| atlas(arguments, gpu, scene, &grid)).transpose()?;
     let mut graph = Graph::new("voxelize", gpu.caps());
@@ -287,4 +316,18 @@ fn voxelize(arguments: &VoxelizeArguments, gpu: &Gpu, scene: &GpuScene) -> Resul
         seconds,
         bytes: plan.statistics.heap_bytes,
     })
+}
+
+/// Surfaces of more voxels than fit as a whole.
+fn in_bricks(gpu: &Gpu, scene: &GpuScene, grid: &Grid, method: VoxelMethod) -> Result<Found> {
+    let began = Instant::now();
+    let thin = method == VoxelMethod::SixSeparating;
+    let thickness = if thin { Thickness::SixSeparating } else { Thickness::Conservative };
+    let mut graph = Graph::new("voxelize", gpu.caps());
+    Bricks { thickness }.record(&mut graph, scene, grid)?.capture(&mut graph);
+    let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
+    let executed = Executor::new(gpu).execute(&plan, graph)?;
+    let voxels = Voxels::read_bricks(&executed, grid)?;
+    let (seconds, bytes) = (began.elapsed().as_secs_f64(), voxels.memory());
+    Ok(Found { voxels, attributes: None, leaks: None, atlas: None, seconds, bytes })
 }

@@ -441,6 +441,13 @@ fn voxels_are_written_with_what_they_mean() {
     refused(&["--vote", "--method", "conservative", "-o", "o.npy"], "bitmask, stencil and winding");
     refused(&["--vote", "--axis", "x", "-o", "o.npy"], "cannot be used with");
 
+    // More than fit as a whole.
+    let fine = ["voxelize", "builtin:cornell", "--method", "six-separating", "--resolution", "1100,40,30"];
+    let place = ["--min", "-1,0,-1", "--edge", "2", "-o", "fine.vox"];
+    assert!(stdout(&succeeds(&folder, &[&fine[..], &place].concat())).contains("1100×40×30"));
+    refused(&["--resolution", "2048", "-o", "o.vox"], "for surfaces");
+    refused(&["--resolution", "2048", "--method", "conservative", "-o", "o.npy"], ".packed.npy");
+
     // Surfaces need not be closed.
     let surface = ["voxelize", "builtin:cornell", "--method", "conservative", "--resolution", "16", "-o", "walls.npy"];
     assert_eq!(stderr(&succeeds(&folder, &surface)).matches("warn").count(), 0);
@@ -457,7 +464,7 @@ fn voxels_are_written_with_what_they_mean() {
     is_refused(&["voxelize", "builtin:cornell", "--rule", "even-odd", "-o", "odd.npy"], "--method winding");
 
     let voxelize = |more: &[&'static str]| [&["voxelize", "builtin:cornell", "-o", "o.npy"], more].concat();
-    is_refused(&voxelize(&["--resolution", "0"]), "1 to 1024");
+    is_refused(&voxelize(&["--resolution", "0"]), "1 to 2048");
     is_refused(&voxelize(&["--resolution", "8,8,8,8"]), "64,32,64");
     is_refused(&voxelize(&["--resolution", "8,4,2"]), "--min and --edge");
     is_refused(&voxelize(&["--min", "0,0,0"]), "--edge");

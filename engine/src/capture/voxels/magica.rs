@@ -1,6 +1,7 @@
 //! MagicaVoxel's `.vox`, version 150: chunks of models and a scene graph that places them (*MagicaVoxel .vox File
 //! Format* and its extension, ephtracy).
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 
@@ -23,7 +24,7 @@ const MOST_COLORS: usize = 254;
 pub(super) fn write(path: &Path, voxels: &Voxels, attributes: Option<&VoxelAttributes>) -> Result<()> {
     let color =
         |voxel| attributes?.get(voxel).filter(|own| own.area > 0.0).map(|own| own.albedo.to_array().map(to_srgb8));
-    let (colors, places) = palette(voxels.grid().voxels().filter_map(color), MOST_COLORS);
+    let (colors, places) = palette(voxels.set().filter_map(color), MOST_COLORS);
     let models = models(voxels, |voxel| color(voxel).map_or(1, |color| 2 + places[&color] as u8));
     let mut chunks = Vec::new();
     for model in &models {
@@ -71,18 +72,20 @@ struct Model {
 fn models(voxels: &Voxels, index: impl Fn([u32; 3]) -> u8) -> Vec<Model> {
     let [width, height, depth] = voxels.grid().size();
     let whole = [width, depth, height];
-    let starts = |axis: usize| (0..whole[axis]).step_by(MODEL as usize);
-    let corners = starts(2).flat_map(|z| starts(1).flat_map(move |y| starts(0).map(move |x| [x, y, z])));
-    let made = corners.map(|corner| {
-        let size: [u32; 3] = std::array::from_fn(|axis| MODEL.min(whole[axis] - corner[axis]));
-        let inside = (0..size[2]).flat_map(|z| (0..size[1]).flat_map(move |y| (0..size[0]).map(move |x| [x, y, z])));
-        let at = |[x, y, z]: [u32; 3]| [corner[0] + x, corner[2] + z, depth - 1 - corner[1] - y];
-        let set = inside.filter(|&place| voxels.get(at(place)));
-        let found = set.map(|place| [place[0] as u8, place[1] as u8, place[2] as u8, index(at(place))]);
-        let center = std::array::from_fn(|axis| corner[axis] + size[axis] / 2);
-        Model { size, center, voxels: found.collect() }
-    });
-    made.filter(|model| !model.voxels.is_empty()).collect()
+    let mut models: BTreeMap<[u32; 3], Model> = BTreeMap::new();
+    for voxel @ [x, y, z] in voxels.set() {
+        let at = [x, depth - 1 - z, y];
+        let corner = at.map(|i| i / MODEL * MODEL);
+        let [z, y, x] = [2, 1, 0].map(|axis| corner[axis]);
+        let model = models.entry([z, y, x]).or_insert_with(|| {
+            let size: [u32; 3] = std::array::from_fn(|axis| MODEL.min(whole[axis] - corner[axis]));
+            let center = std::array::from_fn(|axis| corner[axis] + size[axis] / 2);
+            Model { size, center, voxels: Vec::new() }
+        });
+        let [x, y, z] = at.map(|i| (i % MODEL) as u8);
+        model.voxels.push([x, y, z, index(voxel)]);
+    }
+    models.into_values().collect()
 }
 
 /// Adds a chunk without children.

@@ -5,18 +5,20 @@ use super::{Axis, Grid, surface};
 use crate::Result;
 use crate::graph::RasterPass;
 use crate::scene::GpuScene;
+use crate::shader::generated::blocks;
 use crate::shader::generated::voxel::conservative::cover_vert;
 
-/// Binds what that shader reads; the pass has a pixel a row of voxels, along whichever axis.
+/// Binds what that shader reads; the pass has a pixel a row of voxels, along whichever axis. Voxels are grown by `spare` on
+/// every side, in voxels, beside what rounding asks for.
 ///
 /// # Errors
 /// As [`surface::triangle_starts`].
-pub(super) fn bind(pass: &mut RasterPass, scene: &GpuScene, grid: &Grid, axis: Axis) -> Result<()> {
-    let starts = surface::triangle_starts(scene, surface::Surfaces::All)?;
+pub(super) fn bind(pass: &mut RasterPass, scene: &GpuScene, grid: &Grid, axis: Axis, spare: f32) -> Result<()> {
+    let touch = surface::touch(scene, grid, &surface::triangle_starts(scene, surface::Surfaces::All)?);
     let side = grid.size().into_iter().max().unwrap_or(1);
     pass.area([side; 2])
         .uniform(cover_vert::VOXEL_GRID, &grid.block(axis))
-        .uniform(cover_vert::TOUCH, &surface::touch(scene, grid, &starts))
+        .uniform(cover_vert::TOUCH, &blocks::Touch { reach: touch.reach + spare, ..touch })
         .constant(cover_vert::INSTANCES, &scene.instances)
         .constant(cover_vert::INDICES, &scene.indices)
         .constant(cover_vert::POSITIONS, &scene.positions);

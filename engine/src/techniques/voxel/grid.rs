@@ -2,13 +2,14 @@
 
 use glam::Vec3;
 
+use super::bricks::BRICK;
 use crate::geometry::Aabb;
-use crate::graph::{BufferHandle, Capture, Graph};
+use crate::graph::{BufferHandle, Graph};
 use crate::shader::generated::blocks;
 use crate::{Error, Result};
 
 /// Most voxels along an axis.
-pub const MAX_RESOLUTION: u32 = 1024;
+pub const MAX_RESOLUTION: u32 = 2048;
 
 /// A regular grid of cubic voxels.
 ///
@@ -116,6 +117,11 @@ impl Grid {
         rows.map(move |[y, z]| (0..width).map(move |x| [x, y, z]))
     }
 
+    /// The grid whose voxels are bricks of 8³ of these.
+    pub(super) fn bricks(&self) -> Self {
+        Self { min: self.min, edge: BRICK as f32 * self.edge, size: self.size.map(|n| n.div_ceil(BRICK)) }
+    }
+
     /// Columns across, and voxels in one, along an axis.
     pub fn columns(&self, axis: Axis) -> [u32; 3] {
         axis.order().map(|world| self.size[world])
@@ -158,85 +164,11 @@ impl VoxelBits {
         let bytes = 4 * grid.words(axis);
         let most = u64::from(graph.caps().limits.max_storage_buffer_range);
         if bytes > most {
-            let why = format!("{:?} voxels take {bytes} bytes; the device binds {most} at once", grid.size);
+            let why =
+                format!("{:?} voxels take {bytes} bytes; the device binds {most} at once; bricks take less", grid.size);
             return Err(Error::invalid("the voxel grid", why));
         }
         Ok(Self { bits: graph.buffer(name, bytes), grid: *grid, axis })
-    }
-}
-
-/// Bits of a grid on the host.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Voxels {
-    grid: Grid,
-    axis: Axis,
-    words: Vec<u32>,
-}
-
-impl Voxels {
-    /// From a capture of [`VoxelBits::bits`].
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] where the capture has another size; [`Error::Vulkan`] where it cannot be read.
-    pub fn read(capture: &Capture, grid: &Grid, axis: Axis) -> Result<Self> {
-        let words: Vec<u32> = capture.texels()?;
-        if words.len() as u64 != grid.words(axis) {
-            let why = format!("its {} words are not those of {:?} voxels along {axis:?}", words.len(), grid.size);
-            return Err(Error::invalid(format!("capture `{}`", capture.name), why));
-        }
-        Ok(Self { grid: *grid, axis, words })
-    }
-
-    /// Those that `is_set` says, with columns along z.
-    pub fn from_fn(grid: &Grid, is_set: impl Fn([u32; 3]) -> bool) -> Self {
-        let [width, height, _] = grid.size;
-        let mut words = vec![0; grid.words(Axis::Z) as usize];
-        for [i, j, k] in grid.voxels().filter(|&voxel| is_set(voxel)) {
-            words[(k as usize / 32 * height as usize + j as usize) * width as usize + i as usize] |= 1 << (k % 32);
-        }
-        Self { grid: *grid, axis: Axis::Z, words }
-    }
-
-    /// Where the voxels are.
-    pub fn grid(&self) -> &Grid {
-        &self.grid
-    }
-
-    /// The axis that columns run along.
-    pub fn axis(&self) -> Axis {
-        self.axis
-    }
-
-    /// Whether a voxel is set; nothing outside the grid is.
-    pub fn get(&self, voxel: [u32; 3]) -> bool {
-        self.rank(voxel).is_some()
-    }
-
-    /// The word that holds a set voxel, and how many of its lower bits are set.
-    pub(super) fn rank(&self, voxel: [u32; 3]) -> Option<(usize, u32)> {
-        let [i, j, k] = self.axis.order().map(|world| voxel[world]);
-        let [width, height, depth] = self.grid.columns(self.axis);
-        if i >= width || j >= height || k >= depth {
-            return None;
-        }
-        let index = (k as usize / 32 * height as usize + j as usize) * width as usize + i as usize;
-        let (word, bit) = (self.words[index], 1 << (k % 32));
-        (word & bit != 0).then(|| (index, (word & (bit - 1)).count_ones()))
-    }
-
-    /// How many words there are.
-    pub(super) fn words(&self) -> usize {
-        self.words.len()
-    }
-
-    /// How many voxels are set.
-    pub fn count(&self) -> u64 {
-        self.words.iter().map(|word| u64::from(word.count_ones())).sum()
-    }
-
-    /// A byte a voxel, 1 where it is set, in the order `[z][y][x]`.
-    pub fn bytes(&self) -> Vec<u8> {
-        self.grid.voxels().map(|voxel| u8::from(self.get(voxel))).collect()
     }
 }
 
@@ -257,26 +189,9 @@ mod tests {
     fn grids_that_cannot_be_are_refused() {
         let point = Aabb { min: Vec3::ONE, max: Vec3::ONE };
         assert!(Grid::around(&point, 8).unwrap_err().to_string().contains("no extent"));
-        assert!(Grid::new(Vec3::ZERO, 1.0, [4, 0, 4]).unwrap_err().to_string().contains("1 to 1024"));
-        assert!(Grid::new(Vec3::ZERO, 1.0, [1025; 3]).is_err());
+        assert!(Grid::new(Vec3::ZERO, 1.0, [4, 0, 4]).unwrap_err().to_string().contains("1 to 2048"));
+        assert!(Grid::new(Vec3::ZERO, 1.0, [2049; 3]).is_err());
         assert!(Grid::new(Vec3::ZERO, -1.0, [4; 3]).unwrap_err().to_string().contains("positive"));
         assert!(Grid::new(Vec3::NAN, 1.0, [4; 3]).is_err());
-    }
-
-    #[test]
-    fn bits_are_found_along_every_axis() {
-        let grid = Grid::new(Vec3::ZERO, 1.0, [3, 5, 40]).unwrap();
-        for axis in [Axis::X, Axis::Y, Axis::Z] {
-            let [width, height, depth] = grid.columns(axis);
-            let mut words = vec![0; grid.words(axis) as usize];
-            let [i, j, k] = axis.order().map(|world| [2, 3, 37][world]);
-            assert!(i < width && j < height && k < depth);
-            words[((k / 32 * height + j) * width + i) as usize] = 1 << (k % 32);
-            let voxels = Voxels { grid, axis, words };
-            assert!(voxels.get([2, 3, 37]) && !voxels.get([2, 3, 36]) && !voxels.get([3, 3, 37]));
-            let bytes = voxels.bytes();
-            assert_eq!(bytes.iter().position(|&byte| byte == 1), Some((37 * 5 + 3) * 3 + 2));
-            assert_eq!((bytes.len(), voxels.count()), (600, 1));
-        }
     }
 }

@@ -5,22 +5,26 @@ pub mod ambient_occlusion;
 pub mod atlas;
 pub mod attributes;
 pub mod bitmask;
+pub mod bricks;
 mod columns;
 pub mod conservative;
 mod cover;
 mod grid;
 mod pyramid;
+mod ranks;
 pub mod ray_marching;
 pub mod six_separating;
 pub mod stencil;
 mod surface;
 pub mod vote;
+mod voxels;
 pub mod winding;
 
 pub use columns::FillRule;
-pub use grid::{Axis, Grid, MAX_RESOLUTION, VoxelBits, Voxels};
+pub use grid::{Axis, Grid, MAX_RESOLUTION, VoxelBits};
 pub use pyramid::{Level, Occluders, Pyramid};
 pub use surface::Surfaces;
+pub use voxels::Voxels;
 
 /// How far from a plane, in voxels, a point is in none of the voxels that [`six_separating`] sets for it. Those have
 /// their centre within half a voxel along the plane's main axis, and a point of one is within half a voxel of its centre

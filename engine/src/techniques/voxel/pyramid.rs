@@ -84,7 +84,7 @@ impl Occluders {
     /// Gives a pass the bindings of `voxel/visibility.glsl`, to skip by at most so many levels.
     pub(in crate::techniques) fn bind(&self, pass: &mut ComputePass, levels: u32) {
         let Self { voxels, pyramid } = self;
-        let mut level_begins = [0; 11];
+        let mut level_begins = [0; 12];
         for (begin, level) in level_begins.iter_mut().zip(&pyramid.levels) {
             *begin = level.begin;
         }

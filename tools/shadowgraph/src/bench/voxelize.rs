@@ -8,7 +8,9 @@ use glam::{Mat4, Vec2, Vec3, Vec4};
 use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::{GpuScene, Material, Mesh, Object, Primitive, Scene};
+use shadowgraph::techniques::voxel::attributes::Attributes;
 use shadowgraph::techniques::voxel::bitmask::{Bitmask, Combine};
+use shadowgraph::techniques::voxel::bricks::Bricks;
 use shadowgraph::techniques::voxel::conservative::{Conservative, Pipeline};
 use shadowgraph::techniques::voxel::stencil::Stencil;
 use shadowgraph::techniques::voxel::winding::Winding;
@@ -20,8 +22,8 @@ use crate::failure::Result;
 use crate::session;
 
 /// Segments of the sphere and voxels along an axis.
-const CASES: [(u32, u32); 8] =
-    [(4, 256), (40, 256), (264, 64), (264, 128), (264, 256), (264, 512), (264, 1024), (1000, 256)];
+const CASES: [(u32, u32); 9] =
+    [(4, 256), (40, 256), (264, 64), (264, 128), (264, 256), (264, 512), (264, 1024), (264, 2048), (1000, 256)];
 
 #[derive(Clone, Copy)]
 enum Method {
@@ -29,12 +31,18 @@ enum Method {
     Stencil,
     Winding,
     Conservative(Pipeline),
+    Attributes,
+    Bricks,
 }
 
 /// Most slices times triangles that are drawn one slice after the other.
-const MOST_SLICED: usize = 20_000_000;
+const MOST_SLICED: usize = 40_000_000;
 
-const METHODS: [(&str, Method); 7] = [
+/// Most voxels an axis that are found as a whole, and with attributes.
+const MOST_WHOLE: u32 = 1024;
+const MOST_WITH_ATTRIBUTES: u32 = 512;
+
+const METHODS: [(&str, Method); 9] = [
     ("bitmask", Method::Solid(Combine::Bit)),
     ("bitmask, masks", Method::Solid(Combine::Masks)),
     ("bitmask, logic", Method::Solid(Combine::LogicOp)),
@@ -42,6 +50,8 @@ const METHODS: [(&str, Method); 7] = [
     ("stencil", Method::Stencil),
     ("conservative", Method::Conservative(Pipeline::Compute)),
     ("conservative, raster", Method::Conservative(Pipeline::Raster)),
+    ("attributes", Method::Attributes),
+    ("bricks", Method::Bricks),
 ];
 
 impl Method {
@@ -53,6 +63,16 @@ impl Method {
             Self::Conservative(pipeline) => {
                 Conservative { pipeline, ..Conservative::default() }.record(graph, scene, grid)
             }
+            Self::Attributes => {
+                let voxels = Conservative::default().record(graph, scene, grid)?;
+                Attributes::default().record(graph, scene, &voxels)?.capture(graph);
+                Ok(voxels)
+            }
+            Self::Bricks => {
+                let bricks = Bricks::default().record(graph, scene, grid)?;
+                bricks.capture(graph);
+                Ok(bricks.coarse)
+            }
         }
     }
 }
@@ -63,8 +83,12 @@ pub fn run(arguments: &BenchArguments, tell: &mut impl FnMut(Measurement) -> Res
     let measured = CASES.iter().try_for_each(|&(segments, resolution)| {
         let scene = sphere(segments);
         let triangles = scene.meshes[0].primitives[0].indices.len() / 3;
-        let fits =
-            |method: Method| !matches!(method, Method::Stencil) || triangles * resolution as usize <= MOST_SLICED;
+        let fits = |method: Method| match method {
+            Method::Stencil => triangles * resolution as usize <= MOST_SLICED,
+            Method::Attributes => resolution <= MOST_WITH_ATTRIBUTES,
+            Method::Bricks => true,
+            _ => resolution <= MOST_WHOLE,
+        };
         for (name, method) in METHODS.into_iter().filter(|&(_, method)| fits(method)) {
             let (time, set) = measure(&gpu, &scene, method, resolution, arguments.runs as usize)?;
             let case = format!("{name}, {triangles} triangles, {resolution}");
@@ -93,8 +117,8 @@ fn measure(gpu: &Gpu, scene: &Scene, method: Method, resolution: u32, runs: usiz
         let began = Instant::now();
         let scene = scene.upload(gpu)?;
         let grid = Grid::around(&scene.bounds, resolution)?;
-        let (voxels, _) = find(&mut executor, gpu, &grid, |graph| method.record(graph, &scene, &grid))?;
-        Ok((milliseconds(began.elapsed()), voxels.count() as f64))
+        let set = find(&mut executor, gpu, |graph| method.record(graph, &scene, &grid))?;
+        Ok((milliseconds(began.elapsed()), set as f64))
     };
     // The first run compiles shaders.
     let (_, set) = once()?;
@@ -102,19 +126,18 @@ fn measure(gpu: &Gpu, scene: &Scene, method: Method, resolution: u32, runs: usiz
     Ok((median(times), set))
 }
 
-/// The voxels that a technique records, and the bytes of transient memory it takes.
+/// How many voxels a technique sets, of bricks how many bricks.
 fn find<'f>(
     executor: &mut Executor,
     gpu: &'f Gpu,
-    grid: &Grid,
     record: impl FnOnce(&mut Graph<'f>) -> shadowgraph::Result<VoxelBits>,
-) -> Result<(Voxels, u64)> {
+) -> Result<u64> {
     let mut graph = Graph::new("voxelize", gpu.caps());
-    let VoxelBits { bits, axis, .. } = record(&mut graph)?;
+    let VoxelBits { bits, axis, grid } = record(&mut graph)?;
     graph.capture("voxels", &bits);
     let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
     let executed = executor.execute(&plan, graph)?;
-    Ok((Voxels::read(executed.capture("voxels")?, grid, axis)?, plan.statistics.heap_bytes))
+    Ok(Voxels::read(executed.capture("voxels")?, &grid, axis)?.count())
 }
 
 /// A unit sphere of about `segments`² triangles.

@@ -24,7 +24,8 @@ pub struct VoxelizeArguments {
     /// A .gltf or .glb file, or a built-in scene: builtin:NAME
     #[arg(value_parser = arguments::scene)]
     pub scene: SceneSource,
-    /// Voxels along each axis, or along x, y and z; the grid of one number is a cube
+    /// Voxels along each axis, or along x, y and z; the grid of one number is a cube. Up to 1024, and to 2048 for surfaces,
+    /// which are found in bricks then
     #[arg(long, value_name = "N|X,Y,Z", default_value = "128")]
     pub resolution: Resolution,
     /// Lower corner of the grid in metres; otherwise the grid is around the scene

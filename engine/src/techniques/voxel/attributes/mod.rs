@@ -5,11 +5,11 @@
 //! section 22.3, for triangles drawn along the axis they face most and values averaged by atomics; Sutherland and Hodgman
 //! 1974, "Reentrant Polygon Clipping", for the part of a triangle in a voxel.
 
-mod ranks;
 mod values;
 
 pub use values::{Attribute, VoxelAttributes};
 
+use super::ranks::Ranks;
 use super::{VoxelBits, cover, surface};
 use crate::Result;
 use crate::graph::{BufferHandle, Checkpoint, Graph};
@@ -17,7 +17,6 @@ use crate::scene::{Draw, DrawClass, Faces, GpuScene};
 use crate::shader::Program;
 use crate::shader::generated::blocks;
 use crate::shader::generated::voxel::attributes::{average_comp, sum_frag, sum_vert};
-use ranks::Ranks;
 
 /// Averages what surfaces are like over the parts of triangles in each set voxel.
 ///
@@ -63,7 +62,7 @@ impl Attributes {
         voxels: &VoxelBits,
     ) -> Result<AttributeBuffers> {
         // 1. A place for each set voxel.
-        let Ranks { firsts, total, told } = Ranks::record(graph, voxels)?;
+        let Ranks { firsts, total, told } = Ranks::record(graph, "voxel.attributes", voxels)?;
         // 2. The sums, each of two words.
         let sums = [("weight", 2), ("albedo", 3), ("normal", 3), ("emission", 3)].map(|(name, values)| {
             let sums = records(graph, &told, format!("voxel.{name}.sums"), 8 * values);
@@ -106,10 +105,12 @@ fn sum<'f>(
     scales: &blocks::AttributeScales,
 ) -> Result<[BufferHandle; 4]> {
     let texture_sets = scene.draws.texture_sets(&[DrawClass::Opaque, DrawClass::Masked, DrawClass::Blend]);
-    let program = Program::new(&sum_vert::SHADER, Some(&sum_frag::SHADER)).set_layout(1, &scene.material_layout);
+    let program = Program::new(&sum_vert::SHADER, Some(&sum_frag::SHADER))
+        .set_layout(1, &scene.material_layout)
+        .constant(sum_frag::EMITS, scales.greatest_emission > 0.0);
     let programs = texture_sets.iter().map(|&set| program.clone().constant(sum_frag::TEXTURES, set)).collect();
     let mut pass = graph.raster("voxel.attributes", programs);
-    cover::bind(&mut pass, scene, &voxels.grid, voxels.axis)?;
+    cover::bind(&mut pass, scene, &voxels.grid, voxels.axis, 0.0)?;
     pass.uniform(sum_frag::SCALES, scales)
         .constant(sum_frag::ALPHA_VERTICES, &scene.alpha_attributes)
         .constant(sum_frag::SHADING_VERTICES, &scene.shading_attributes)
@@ -139,5 +140,6 @@ fn scales(scene: &GpuScene, triangles: u32) -> blocks::AttributeScales {
     let weight_bits = WEIGHT_BITS.min(SUM_BITS - VALUE_BITS - triangle_bits);
     let emitted = scene.materials.iter().map(|material| material.emissive.max_element());
     let greatest = emitted.filter(|most| most.is_finite()).fold(0.0, f32::max);
-    blocks::AttributeScales { area_scale: f32::from(2_u16).powi(weight_bits as i32 - 1), greatest_emission: greatest }
+    let area_scale = f32::from(2_u16).powi(weight_bits as i32 - 1);
+    blocks::AttributeScales { area_scale, greatest_emission: greatest, channels: 3 }
 }

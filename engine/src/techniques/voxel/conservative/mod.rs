@@ -56,7 +56,7 @@ impl Conservative {
         let bits = graph.fill("voxel.clear", bits, 0);
         let program = Program::new(&cover_vert::SHADER, Some(&cover_frag::SHADER));
         let mut pass = graph.raster("voxel.surface.cover", vec![program]);
-        cover::bind(&mut pass, scene, &grid, axis)?;
+        cover::bind(&mut pass, scene, &grid, axis, 0.0)?;
         let bits = pass.write(cover_frag::BITS, bits);
         pass.draw(move |recorder| {
             scene.draw_pulled(recorder, Faces::Both, scene.draws.draws());

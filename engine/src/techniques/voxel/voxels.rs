@@ -1,0 +1,186 @@
+//! Bits of a grid on the host.
+
+use std::rc::Rc;
+
+use super::bricks::{BRICK, BRICK_WORDS};
+use super::{Axis, Grid};
+use crate::graph::{Capture, Executed};
+use crate::{Error, Result};
+
+/// Bits of a grid on the host.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Voxels {
+    grid: Grid,
+    store: Store,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Store {
+    /// All of them, as [`super::VoxelBits`] says.
+    Columns { axis: Axis, words: Vec<u32> },
+    /// Where some are set, as [`super::bricks::BrickBits`] says.
+    Bricks { coarse: Box<Voxels>, firsts: Vec<u32>, bricks: Vec<[u32; BRICK_WORDS]> },
+}
+
+impl Voxels {
+    /// From a capture of [`super::VoxelBits::bits`].
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where the capture has another size; [`Error::Vulkan`] where it cannot be read.
+    pub fn read(capture: &Capture, grid: &Grid, axis: Axis) -> Result<Self> {
+        let words: Vec<u32> = capture.texels()?;
+        if words.len() as u64 != grid.words(axis) {
+            let why = format!("its {} words are not those of {:?} voxels along {axis:?}", words.len(), grid.size());
+            return Err(Error::invalid(format!("capture `{}`", capture.name), why));
+        }
+        Ok(Self { grid: *grid, store: Store::Columns { axis, words } })
+    }
+
+    /// From the captures of [`super::bricks::BrickBits::capture`].
+    ///
+    /// # Errors
+    /// As [`Voxels::read`], and where a capture is not there.
+    pub fn read_bricks(executed: &Executed, grid: &Grid) -> Result<Self> {
+        let [coarse, firsts, bricks] = super::bricks::NAMES.map(|name| executed.capture(name));
+        let coarse = Self::read(coarse?, &grid.bricks(), Axis::Z)?;
+        let (firsts, bricks): (Vec<u32>, Vec<[u32; BRICK_WORDS]>) = (firsts?.texels()?, bricks?.texels()?);
+        let count = coarse.count();
+        if firsts.len() != coarse.words() || bricks.len() as u64 != count.max(1) {
+            let why = format!("{} bricks, by {} words, are not {count}", bricks.len(), firsts.len());
+            return Err(Error::invalid("the captured bricks", why));
+        }
+        Ok(Self { grid: *grid, store: Store::Bricks { coarse: Box::new(coarse), firsts, bricks } })
+    }
+
+    /// Those that `is_set` says, with columns along z.
+    pub fn from_fn(grid: &Grid, is_set: impl Fn([u32; 3]) -> bool) -> Self {
+        let [width, height, _] = grid.size();
+        let mut words = vec![0; grid.words(Axis::Z) as usize];
+        for [i, j, k] in grid.voxels().filter(|&voxel| is_set(voxel)) {
+            words[(k as usize / 32 * height as usize + j as usize) * width as usize + i as usize] |= 1 << (k % 32);
+        }
+        Self { grid: *grid, store: Store::Columns { axis: Axis::Z, words } }
+    }
+
+    /// Where the voxels are.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// The axis that columns run along; of bricks z.
+    pub fn axis(&self) -> Axis {
+        match &self.store {
+            Store::Columns { axis, .. } => *axis,
+            Store::Bricks { coarse, .. } => coarse.axis(),
+        }
+    }
+
+    /// Whether a voxel is set; nothing outside the grid is.
+    pub fn get(&self, voxel: [u32; 3]) -> bool {
+        match &self.store {
+            Store::Columns { .. } => self.rank(voxel).is_some(),
+            Store::Bricks { coarse, firsts, bricks } => {
+                let Some((word, below)) = coarse.rank(voxel.map(|i| i / BRICK)) else { return false };
+                let [x, y, z] = voxel.map(|i| i % BRICK);
+                let brick = &bricks[(firsts[word] + below) as usize];
+                brick[(2 * z + y / 4) as usize] >> (8 * (y % 4) + x) & 1 == 1
+            }
+        }
+    }
+
+    /// The word that holds a set voxel of columns, and how many of its lower bits are set.
+    pub(super) fn rank(&self, voxel: [u32; 3]) -> Option<(usize, u32)> {
+        let Store::Columns { axis, words } = &self.store else { return None };
+        let [i, j, k] = axis.order().map(|world| voxel[world]);
+        let [width, height, depth] = self.grid.columns(*axis);
+        if i >= width || j >= height || k >= depth {
+            return None;
+        }
+        let index = (k as usize / 32 * height as usize + j as usize) * width as usize + i as usize;
+        let (word, bit) = (words[index], 1 << (k % 32));
+        (word & bit != 0).then(|| (index, (word & (bit - 1)).count_ones()))
+    }
+
+    /// How many words columns have.
+    pub(super) fn words(&self) -> usize {
+        match &self.store {
+            Store::Columns { words, .. } => words.len(),
+            Store::Bricks { .. } => 0,
+        }
+    }
+
+    /// Bytes that they take.
+    pub fn memory(&self) -> u64 {
+        match &self.store {
+            Store::Columns { words, .. } => size_of_val(&words[..]) as u64,
+            Store::Bricks { coarse, firsts, bricks } => {
+                coarse.memory() + size_of_val(&firsts[..]) as u64 + size_of_val(&bricks[..]) as u64
+            }
+        }
+    }
+
+    /// How many voxels are set.
+    pub fn count(&self) -> u64 {
+        let ones = |words: &[u32]| words.iter().map(|word| u64::from(word.count_ones())).sum();
+        match &self.store {
+            Store::Columns { words, .. } => ones(words),
+            Store::Bricks { bricks, .. } => ones(bricks.as_flattened()),
+        }
+    }
+
+    /// Those that are set, in the order `[z][y][x]`.
+    pub fn set(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
+        let [width, height, depth] = self.grid.size();
+        let layers = (0..depth).step_by(BRICK as usize).flat_map(move |first| {
+            // Where along each row of bricks some are.
+            let starts = |y: u32| (0..width).step_by(BRICK as usize).filter(move |&x| self.may_hold([x, y, first]));
+            let rows: Rc<[Vec<u32>]> = (0..height).step_by(BRICK as usize).map(|y| starts(y).collect()).collect();
+            let slices = (first..depth.min(first + BRICK)).flat_map(move |z| (0..height).map(move |y| [y, z]));
+            slices.flat_map(move |[y, z]| {
+                let (rows, row) = (rows.clone(), (y / BRICK) as usize);
+                let runs = (0..rows[row].len()).map(move |run| rows[row][run]);
+                runs.flat_map(move |x| (x..width.min(x + BRICK)).map(move |x| [x, y, z]))
+            })
+        });
+        layers.filter(|&voxel| self.get(voxel))
+    }
+
+    /// Whether there is a brick that holds a voxel.
+    fn may_hold(&self, voxel: [u32; 3]) -> bool {
+        match &self.store {
+            Store::Columns { .. } => true,
+            Store::Bricks { coarse, .. } => coarse.get(voxel.map(|i| i / BRICK)),
+        }
+    }
+
+    /// A byte a voxel, 1 where it is set, in the order `[z][y][x]`.
+    pub fn bytes(&self) -> Vec<u8> {
+        self.grid.voxels().map(|voxel| u8::from(self.get(voxel))).collect()
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+
+    #[test]
+    fn bits_are_found_along_every_axis() {
+        let grid = Grid::new(Vec3::ZERO, 1.0, [3, 5, 40]).unwrap();
+        for axis in [Axis::X, Axis::Y, Axis::Z] {
+            let [width, height, depth] = grid.columns(axis);
+            let mut words = vec![0; grid.words(axis) as usize];
+            let [i, j, k] = axis.order().map(|world| [2, 3, 37][world]);
+            assert!(i < width && j < height && k < depth);
+            words[((k / 32 * height + j) * width + i) as usize] = 1 << (k % 32);
+            let voxels = Voxels { grid, store: Store::Columns { axis, words } };
+            assert!(voxels.get([2, 3, 37]) && !voxels.get([2, 3, 36]) && !voxels.get([3, 3, 37]));
+            let bytes = voxels.bytes();
+            assert_eq!(bytes.iter().position(|&byte| byte == 1), Some((37 * 5 + 3) * 3 + 2));
+            assert_eq!((bytes.len(), voxels.count()), (600, 1));
+            assert_eq!(voxels.set().collect::<Vec<_>>(), [[2, 3, 37]]);
+        }
+    }
+}

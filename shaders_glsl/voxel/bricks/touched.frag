@@ -1,0 +1,2 @@
+#version 460
+#include "voxel/bricks/mark.glsl"
