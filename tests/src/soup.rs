@@ -169,6 +169,19 @@ impl Soup {
         }
     }
 
+    /// Layers over the whole picture, in any order.
+    pub fn full_screen(seed: u64, size: [u32; 2], layers: usize, alpha: f32) -> Self {
+        let mut random = Random::new(seed);
+        let far = size.map(|side| i64::from(side) * GRID);
+        let mut all = Vec::new();
+        for _ in 0..layers {
+            let [r, g, b, _] = random.color();
+            all.extend(rectangle([0, 0], far, [0.3 + 0.6 * random.unit(); 4], [r, g, b, alpha]));
+        }
+        let name = format!("{layers} full-screen layers at {}×{}", size[0], size[1]);
+        Self { name, size, triangles: all, per_object: 1000, materials: vec![Kind::Blend] }
+    }
+
     /// Rectangles all at one depth, several an object.
     pub fn coplanar(size: [u32; 2], stack: usize) -> Self {
         let mut random = Random::new(9);
@@ -365,13 +378,15 @@ pub struct Kitchen<'g> {
     /// The scene.
     pub scene: GpuScene,
     view: View,
+    /// Bytes of transient memory of the last run of the A-buffer: the most of a segment.
+    pub memory: u64,
 }
 
 impl<'g> Kitchen<'g> {
     /// Uploads a soup.
     pub fn new(gpu: &'g Gpu, soup: &Soup) -> Self {
         let scene = soup.scene().upload(gpu).unwrap_or_else(|error| panic!("{}: {error}", soup.name));
-        Self { executor: Executor::new(gpu), gpu, scene, view: soup.view() }
+        Self { executor: Executor::new(gpu), gpu, scene, view: soup.view(), memory: 0 }
     }
 
     /// Changes the order of the draws.
@@ -393,7 +408,7 @@ impl<'g> Kitchen<'g> {
     pub fn run(&mut self, abuffer: ABuffer, pull_vertices: bool) -> shadowgraph::Result<Found> {
         let mut graph = Graph::new("soup", self.gpu.caps());
         let view = self.view;
-        let Composited { color, count, front, report, totals, counter, .. } =
+        let Composited { color, count, front, report, known, counter, .. } =
             record(&mut graph, (&self.scene, view), pull_vertices, |graph, depth, blended, color| {
                 abuffer.record(graph, &view, depth, blended, color)
             });
@@ -403,14 +418,16 @@ impl<'g> Kitchen<'g> {
         graph.capture("report", &report);
         let plan = graph.compile(self.gpu).map_err(shadowgraph::Error::from)?;
         let executed = self.executor.execute(&plan, graph)?;
-        let total = totals.values()?[0].total;
+        let heaps = executed.later.iter().map(|segment| segment.plan.statistics.heap_bytes);
+        self.memory = heaps.max().unwrap_or(0);
+        let (nodes, longest) = known.layers()?;
         Ok(Found {
             color: texels(&executed, "color")?,
             count: texels(&executed, "count")?,
             front: texels(&executed, "front")?,
             report: texels::<u32>(&executed, "report")?.try_into().unwrap_or([u32::MAX; 2]),
-            nodes: total.nodes,
-            longest: total.longest,
+            nodes: nodes as u32,
+            longest,
             counter: counter.map(|counter| counter.values().map(|values| values[0])).transpose()?,
             samples: executed.samples("abuffer.samples").ok(),
         })

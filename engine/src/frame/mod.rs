@@ -88,6 +88,9 @@ pub struct FrameSettings {
     pub transparency: Transparency,
     /// Most bytes that the A-buffer's layers may take.
     pub layer_memory: u64,
+    /// Bands of rows that the A-buffer may be built in where that is too little: see [`ABuffer::bands`]. Deep pictures are
+    /// built at once.
+    pub layer_bands: u32,
     /// Whether every layer of every pixel is captured as well, for [`crate::capture::DeepPicture`]. Blended surfaces are
     /// composited by [`Transparency::ABuffer`] then.
     pub deep: bool,
@@ -107,6 +110,7 @@ impl FrameSettings {
             precision: Precision::default(),
             transparency: Transparency::default(),
             layer_memory: u64::MAX,
+            layer_bands: 1,
             deep: false,
             layers: Selection::All,
         }
@@ -264,7 +268,8 @@ impl FrameSettings {
             Precision::Compact => NodeFormat::Compact,
         };
         // Up to a million cd/m²: highlights of the sun are beyond what nodes hold as they are.
-        let abuffer = ABuffer { format, exponent: 4, memory: self.layer_memory, ..ABuffer::default() };
+        let bands = if self.deep { 1 } else { self.layer_bands };
+        let abuffer = ABuffer { format, exponent: 4, memory: self.layer_memory, bands, ..ABuffer::default() };
         let Composited { color, count, front, nodes, report, .. } =
             abuffer.record(graph, &self.view, depth, blended, color);
         if let Some(nodes) = nodes.filter(|_| self.deep) {
