@@ -8,6 +8,7 @@ pub mod compare;
 pub mod device;
 pub mod exr_file;
 pub mod figures;
+pub mod flip;
 pub mod harness;
 pub mod hazard;
 pub mod judge;

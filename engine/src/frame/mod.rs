@@ -1,11 +1,13 @@
 //! The assembled frame: which light, cascade and camera passes run, from one settings value, and which layers they
 //! leave.
 
+mod adaptive;
 mod layers;
 mod shadows;
 
 use glam::Vec3;
 
+pub use adaptive::AdaptiveLists;
 pub use layers::{ABUFFER_REPORT, Deep, Layer, Samples, Selection, Source};
 
 use self::shadows::{SpotMaps, SunShadow};
@@ -21,6 +23,7 @@ use crate::techniques::surface::gbuffer::{GBuffer, Precision, Surfaces};
 use crate::techniques::surface::position::Position;
 use crate::techniques::transparency::OrderIndependent;
 use crate::techniques::transparency::abuffer::{ABuffer, COMPACT_TRIANGLES, Composited, NodeFormat};
+use crate::techniques::transparency::adaptive::Adaptive;
 use crate::techniques::transparency::depth_peeling::DepthPeeling;
 use crate::techniques::transparency::dual_depth_peeling::DualDepthPeeling;
 use crate::techniques::transparency::forward::{ForwardDeep, ForwardLights, ForwardShadow};
@@ -47,6 +50,8 @@ pub enum Transparency {
     Weighted(Weighted),
     /// The nearest layers exactly, behind them an average.
     KBuffer(KBuffer),
+    /// All layers, as visible as a step function of few nodes tells.
+    Adaptive(Adaptive),
     /// All layers, as visible as four moments of what hides them tell.
     Moments(Moments),
     /// All layers, as visible as random samples tell.
@@ -63,6 +68,7 @@ impl Transparency {
             Self::DualDepthPeeling(_) => "dual_depth_peeling",
             Self::Weighted(_) => "weighted",
             Self::KBuffer(_) => "kbuffer",
+            Self::Adaptive(_) => "adaptive",
             Self::Moments(_) => "moments",
             Self::Stochastic(_) => "stochastic",
         }
@@ -200,9 +206,9 @@ impl FrameSettings {
     fn unshown(&self, scene: &GpuScene) -> Vec<String> {
         let transparency = self.composited_by();
         let mut unshown = Vec::new();
-        let exact = transparency == Transparency::ABuffer;
-        if scene_transmits(scene) && (self.deep || !exact) {
-            let how = if self.deep { "deep pictures have one alpha a sample" } else { "only abuffer shows it" };
+        let tints = matches!(transparency, Transparency::ABuffer | Transparency::Adaptive(_));
+        if scene_transmits(scene) && (self.deep || !tints) {
+            let how = if self.deep { "deep pictures have one alpha a sample" } else { "abuffer and adaptive show it" };
             unshown.push(format!("light that passes through materials is not tinted by them: {how}"));
         }
         let averages = matches!(
@@ -235,6 +241,7 @@ impl FrameSettings {
         }
         let blended = Blended::new(graph, scene, *view, lights);
         let transparency = self.composited_by();
+        let adaptive;
         let technique: &dyn OrderIndependent = match &transparency {
             Transparency::Sorted => return (Sorted.record(graph, scene, view, depth, lights, color), None),
             Transparency::ABuffer => {
@@ -245,6 +252,10 @@ impl FrameSettings {
             Transparency::DualDepthPeeling(technique) => technique,
             Transparency::Weighted(technique) => technique,
             Transparency::KBuffer(technique) => technique,
+            Transparency::Adaptive(technique) => {
+                adaptive = AdaptiveLists { adaptive: *technique, exponent: 4, memory: self.layer_memory };
+                &adaptive
+            }
             Transparency::Moments(technique) => technique,
             Transparency::Stochastic(technique) => technique,
         };

@@ -11,7 +11,7 @@ use crate::techniques::shadow::Receivers;
 use crate::techniques::shadow::cascaded::CascadedShadow;
 use crate::techniques::shadow::deep::{self, DeepShadow, DeepShadows, SortedCasters};
 use crate::techniques::shadow::spot::{MAX_SPOTS, Spot, SpotShadows};
-use crate::techniques::transparency::abuffer::{ABuffer, NodeFormat, SortedLists};
+use crate::techniques::transparency::abuffer::{ABuffer, MOST_LAYERS, NodeFormat, SortedLists};
 use crate::techniques::transparency::casters::Casters;
 
 impl FrameSettings {
@@ -104,7 +104,7 @@ impl FrameSettings {
         pass.draw(|_| Ok(()));
         let seen = Casters::new(graph, scene, views.clone());
         let abuffer = ABuffer { format: NodeFormat::Transmittance, memory: self.layer_memory, ..ABuffer::default() };
-        let SortedLists { nodes, spans } = abuffer.sort(graph, "shadow.deep", &nothing, &seen);
+        let SortedLists { nodes, spans } = abuffer.sort(graph, "shadow.deep", &nothing, &seen, MOST_LAYERS);
 
         // 3. Functions and masks.
         shadows.deep = Some(technique.record(graph, receivers, &views, SortedCasters { nodes, spans }));

@@ -8,6 +8,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
 use shadowgraph::capture::Compression;
 use shadowgraph::frame::{Selection, Transparency};
+use shadowgraph::techniques::transparency::adaptive::Adaptive;
 use shadowgraph::techniques::transparency::kbuffer::KBuffer;
 use shadowgraph::techniques::transparency::stochastic::Stochastic;
 use shadowgraph::techniques::transparency::weighted::{Weight, Weighted};
@@ -106,7 +107,8 @@ pub struct FrameArguments {
     /// and dual-depth-peeling are exact in every pixel; the others are approximations whatever the order
     #[arg(long, value_enum, value_name = "KIND", default_value_t = TransparencyKind::Sorted)]
     pub transparency: TransparencyKind,
-    /// Layers of a pixel that `--transparency kbuffer` keeps; otherwise 4
+    /// Layers of a pixel that `--transparency kbuffer` keeps (otherwise 4), or nodes of its visibility with `adaptive`
+    /// (otherwise 8)
     #[arg(long, value_name = "LAYERS", value_parser = clap::value_parser!(u32).range(1..=32))]
     pub kept: Option<u32>,
     /// Samples a pixel of `--transparency stochastic`; otherwise 8
@@ -154,6 +156,8 @@ pub enum TransparencyKind {
     /// The nearest layers of every pixel (--kept), and an average of all others behind them.
     #[value(name = "kbuffer")]
     KBuffer,
+    /// All layers, as visible as a step function of few nodes tells (--kept).
+    Adaptive,
     /// All layers, as visible as four moments of what hides them tell.
     Moments,
     /// All layers, as visible as random samples tell (--samples).
@@ -165,12 +169,12 @@ impl FrameArguments {
     pub fn transparency(&self) -> Result<Transparency> {
         use TransparencyKind as Kind;
         let options = [
-            ("--kept", self.kept, Kind::KBuffer, "kbuffer"),
-            ("--samples", self.samples, Kind::Stochastic, "stochastic"),
-            ("--weight", self.weight, Kind::Weighted, "weighted"),
+            ("--kept", self.kept, &[Kind::KBuffer, Kind::Adaptive][..], "kbuffer or adaptive"),
+            ("--samples", self.samples, &[Kind::Stochastic], "stochastic"),
+            ("--weight", self.weight, &[Kind::Weighted], "weighted"),
         ];
         if let Some((option, .., name)) =
-            options.iter().find(|(_, value, kind, _)| value.is_some() && *kind != self.transparency)
+            options.iter().find(|(_, value, kinds, _)| value.is_some() && !kinds.contains(&self.transparency))
         {
             return Err(Failure::input(format!("{option} belongs to --transparency {name}")));
         }
@@ -191,6 +195,10 @@ impl FrameArguments {
             Kind::KBuffer => {
                 let default = KBuffer::default();
                 Transparency::KBuffer(KBuffer { kept: self.kept.unwrap_or(default.kept) })
+            }
+            Kind::Adaptive => {
+                let default = Adaptive::default();
+                Transparency::Adaptive(Adaptive { kept: self.kept.unwrap_or(default.kept) })
             }
             Kind::Moments => Transparency::Moments(Default::default()),
             Kind::Stochastic => {

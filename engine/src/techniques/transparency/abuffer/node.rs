@@ -113,7 +113,7 @@ impl ABuffer {
     }
 
     /// What colours are stored as multiples of.
-    pub(super) fn unit(&self) -> f32 {
+    pub fn unit(&self) -> f32 {
         (self.exponent.clamp(-64, 64) as f32).exp2()
     }
 

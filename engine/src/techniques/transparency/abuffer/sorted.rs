@@ -31,13 +31,14 @@ impl ABuffer {
     /// of [`NodeFormat::CompactTinted`] or [`NodeFormat::Transmittance`], whichever is asked for.
     ///
     /// Running the frame fails with [`crate::Error::Invalid`] where there are more fragments than [`MOST_SORTED`] or than
-    /// there is room for.
+    /// there is room for, or a pixel has more than `most_layers`.
     pub fn sort<'f>(
         &self,
         graph: &mut Graph<'f>,
         name: &'static str,
         depth: &ImageHandle,
         fragments: &dyn Fragments<'f>,
+        most_layers: u32,
     ) -> SortedLists {
         // A node must have all it holds in one texel.
         let format = match self.format {
@@ -48,13 +49,18 @@ impl ABuffer {
         // 1. An array for each pixel.
         let count = count(graph, name, depth, fragments);
         let (Arrays { built, sorted: room, .. }, totals) = this.arrays(graph, name, depth, fragments, &count);
-        let sorted = Told::Totals(totals).image(graph, format!("{name}.sorted"), |Amount { nodes, .. }| {
-            if nodes > MOST_SORTED {
-                let wrong = format!("{nodes} fragments are more than the {MOST_SORTED} that can be listed");
-                return Err(Error::invalid("A-buffer", wrong));
-            }
-            Ok(node::texels_size(nodes))
-        });
+        let sorted =
+            Told::Totals(totals).image(graph, format!("{name}.sorted"), move |Amount { nodes, longest, .. }| {
+                if nodes > MOST_SORTED {
+                    let wrong = format!("{nodes} fragments are more than the {MOST_SORTED} that can be listed");
+                    return Err(Error::invalid("A-buffer", wrong));
+                }
+                if longest > most_layers {
+                    let wrong = format!("a pixel has {longest} layers; at most {most_layers} can be taken");
+                    return Err(Error::invalid("A-buffer", wrong));
+                }
+                Ok(node::texels_size(nodes))
+            });
         let shape = ImageShape::new_2d(vk::Format::R32G32B32A32_SFLOAT, depth.size());
         let spans = graph.image(format!("{name}.spans"), shape);
         let spans = graph.clear(format!("{name}.spans.begin"), spans, vk::ClearColorValue::default());
