@@ -32,18 +32,18 @@
 //! # Ok(())
 //! # }
 //! ```
-#![deny(unsafe_code)]
+//!
+//! The floors from [`graph`] down are a crate of their own, `shadowgraph-core`: it alone holds `unsafe` code, and an
+//! edit of a technique or of a shader does not compile it again.
+#![forbid(unsafe_code)]
 
 pub mod capture;
-pub mod error;
 pub mod frame;
-pub mod geometry;
-pub mod gpu;
-pub mod graph;
-mod parallel;
 pub mod prelude;
 pub mod scene;
 pub mod shader;
 pub mod techniques;
 
-pub use error::{Error, Result};
+use shadowgraph_core::parallel;
+#[doc(inline)]
+pub use shadowgraph_core::{Error, Result, error, geometry, gpu, graph};

@@ -6,28 +6,13 @@
 #ifdef PULL_VERTICES
 // Vertices fetched by hand, without an index buffer, so that the vertex shader knows its triangle: a fragment shader's
 // gl_PrimitiveID asks for geometry shaders, which not every device has.
-struct AlphaVertex {
-    vec2 uv0;
-    vec2 uv1;
-    vec4 color;
-};
-
-struct ShadingVertex {
-    vec3 normal;
-    vec4 tangent;
-};
+#include "common/pulled_vertices.glsl"
 
 layout(set = 0, binding = 17, scalar) readonly buffer Indices {
     uint indices[];
 };
 layout(set = 0, binding = 18, scalar) readonly buffer Positions {
     vec3 positions[];
-};
-layout(set = 0, binding = 19, scalar) readonly buffer AlphaVertices {
-    AlphaVertex alpha_vertices[];
-};
-layout(set = 0, binding = 20, scalar) readonly buffer ShadingVertices {
-    ShadingVertex shading_vertices[];
 };
 layout(location = 6) flat out uint out_primitive;
 #else

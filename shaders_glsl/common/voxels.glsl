@@ -8,9 +8,13 @@ layout(set = 0, binding = 0, scalar) uniform VoxelGrid {
     uint column_axis; // 0: x, 1: y, 2: z
 };
 
-vec3 column_coordinates(vec3 world) {
-    vec3 p = (world - voxel_grid_min) / voxel_edge;
+// From the grid's coordinates to column coordinates.
+vec3 in_columns(vec3 p) {
     return column_axis == 0u ? p.yzx : column_axis == 1u ? p.zxy : p;
+}
+
+vec3 column_coordinates(vec3 world) {
+    return in_columns((world - voxel_grid_min) / voxel_edge);
 }
 
 uint words_in_column() {

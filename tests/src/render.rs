@@ -65,6 +65,15 @@ impl Subject {
         self
     }
 
+    /// With its cut-out materials whole: voxels are of whole triangles.
+    pub fn without_cut_outs(mut self) -> Self {
+        for material in self.scene.materials.iter_mut().filter(|m| matches!(m.alpha_mode, AlphaMode::Mask { .. })) {
+            material.alpha_mode = AlphaMode::Opaque;
+        }
+        self.name += ", leaves whole";
+        self
+    }
+
     /// With what `change` does to it: a seeded mistake.
     pub fn changed(&self, change: impl FnOnce(&mut Self)) -> Self {
         let mut changed = self.clone();

@@ -6,6 +6,7 @@ use shadowgraph::geometry::Aabb;
 use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::{GpuScene, Primitive, Scene};
+use shadowgraph::techniques::voxel::attributes::VoxelAttributes;
 use shadowgraph::techniques::voxel::bitmask::Bitmask;
 use shadowgraph::techniques::voxel::{Axis, FillRule, Grid, VoxelBits, Voxels};
 
@@ -39,7 +40,7 @@ pub fn mistakes(voxels: &Voxels, must: &[bool], may: &[bool]) -> [usize; 3] {
 }
 
 /// What a rasteriser may do to a surface, in voxels: it snaps vertices to 1/256 of a pixel.
-const NEAR: f64 = 1.0 / 128.0;
+pub const NEAR: f64 = 1.0 / 128.0;
 
 /// Voxels that agree with what is inside, that differ where a triangle is at most 1/128 voxel away, and that differ
 /// elsewhere. `triangles` in grid coordinates, `inside` as `[z][y][x]`.
@@ -239,21 +240,32 @@ pub fn surfaces() -> Vec<Scene> {
 
 /// The voxels from the front, which glTF has at the greatest z, lit from the upper left.
 pub fn front(voxels: &Voxels) -> Picture {
+    lit(voxels, |_| [0.75, 0.68, 0.6])
+}
+
+/// The same in their albedo.
+pub fn colored(attributes: &VoxelAttributes) -> Picture {
+    let albedo = |voxel| attributes.get(voxel).map_or([0.0; 3], |own| own.albedo.to_array());
+    Picture { exposure: 1.3, ..lit(attributes.voxels(), albedo) }
+}
+
+fn lit(voxels: &Voxels, color: impl Fn([u32; 3]) -> [f32; 3]) -> Picture {
     let [nx, ny, nz] = voxels.grid().size();
-    let depth = |x: u32, y: u32| (0..nz).rev().find(|&z| voxels.get([x, y, z])).map(|z| z as f32);
+    let depth = |x: u32, y: u32| (0..nz).rev().find(|&z| voxels.get([x, y, z]));
     let scale = 3;
     let mut pixels = Vec::new();
     for row in 0..scale * ny {
         for column in 0..scale * nx {
             let (x, y) = (column / scale, ny - 1 - row / scale);
             let lit = depth(x, y).map(|z| {
-                let slope = |other: Option<f32>| (z - other.unwrap_or(0.0)).clamp(-3.0, 3.0);
+                let slope = |other: Option<u32>| (z as f32 - other.unwrap_or(0) as f32).clamp(-3.0, 3.0);
                 let (left, up) = (slope(depth(x.wrapping_sub(1), y)), slope(depth(x, y + 1)));
                 let normal = Vec3::new(-left, up, 1.6).normalize();
                 let grid_line = if column % scale == 0 || row % scale == 0 { 0.8 } else { 1.0 };
-                grid_line * (0.15 + 0.85 * normal.dot(Vec3::new(-0.4, 0.6, 0.7).normalize()).max(0.0))
+                let lit = grid_line * (0.15 + 0.85 * normal.dot(Vec3::new(-0.4, 0.6, 0.7).normalize()).max(0.0));
+                color([x, y, z]).map(|c| c * lit)
             });
-            pixels.push(lit.map_or([0.02, 0.02, 0.03], |lit| [0.75, 0.68, 0.6].map(|c| c * lit)));
+            pixels.push(lit.unwrap_or([0.02, 0.02, 0.03]));
         }
     }
     let caption = format!("{nx}³ voxels, seen along an axis");

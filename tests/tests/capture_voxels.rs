@@ -32,9 +32,7 @@ fn written(voxels: &Voxels, name: &str) -> Vec<u8> {
 
 /// Those set, in the order x, y, z.
 fn set(voxels: &Voxels) -> BTreeSet<[u32; 3]> {
-    let [width, height, depth] = voxels.grid().size();
-    let all = (0..depth).flat_map(|z| (0..height).flat_map(move |y| (0..width).map(move |x| [x, y, z])));
-    all.filter(|&voxel| voxels.get(voxel)).collect()
+    voxels.grid().voxels().filter(|&voxel| voxels.get(voxel)).collect()
 }
 
 #[test]

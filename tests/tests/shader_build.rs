@@ -470,7 +470,7 @@ fn the_engine_lists_every_shader_of_the_tree() {
     assert_eq!(all.iter().map(|shader| shader.file).collect::<Vec<_>>(), expected);
     assert!(!all.is_empty());
     for shader in all {
-        assert_eq!(shader.spirv[..2], [0x0723_0203, 0x0001_0600], "{}", shader.file);
+        assert_eq!(shader.words()[..2], [0x0723_0203, 0x0001_0600], "{}", shader.file);
         let places: Vec<_> = shader.bindings.iter().map(|binding| (binding.set, binding.binding)).collect();
         assert!(places.is_sorted(), "{}", shader.file);
     }

@@ -9,8 +9,8 @@ use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::{GpuScene, Scene};
 use shadowgraph::techniques::voxel::bitmask::Bitmask;
 use shadowgraph::techniques::voxel::conservative::Conservative;
-use shadowgraph::techniques::voxel::ray_marching::{Level, Pyramid, RayMarching, Segment};
-use shadowgraph::techniques::voxel::{Axis, Grid, VoxelBits, Voxels};
+use shadowgraph::techniques::voxel::ray_marching::{RayMarching, Segment};
+use shadowgraph::techniques::voxel::{Axis, Grid, Level, Occluders, VoxelBits, Voxels};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure};
 use shadowgraph_tests::solids::{awkward, bounds, one, soup, torus};
@@ -47,8 +47,9 @@ fn march(
         let mut graph = Graph::new("march", gpu.caps());
         let segments = graph.import_buffer(&buffer, Access::NONE, None);
         let voxels = record(&mut graph, &scene).unwrap();
-        let pyramid = Pyramid::record(&mut graph, &voxels);
-        let words = RayMarching { levels }.record(&mut graph, &voxels, &pyramid, &segments);
+        let occluders = Occluders::record(&mut graph, voxels);
+        let words = RayMarching { levels }.record(&mut graph, &occluders, &segments);
+        let Occluders { voxels, pyramid } = occluders;
         graph.capture("bits", &voxels.bits);
         graph.capture("pyramid", &pyramid.words);
         graph.capture("blocked", &words);
@@ -178,7 +179,7 @@ fn exactly(gpu: &Gpu) -> Figure {
             let segments = segments(grid, 40_000);
             let marched = march(gpu, scene, grid, &segments, |graph, scene| match index {
                 0 => Bitmask { axis, ..Bitmask::default() }.record(graph, scene, grid),
-                _ => Conservative { axis }.record(graph, scene, grid),
+                _ => Conservative { axis, ..Conservative::default() }.record(graph, scene, grid),
             });
             let expected = walked(&marched.voxels, &segments);
             let blocked = expected.iter().sum::<u32>() as usize;
@@ -373,8 +374,9 @@ fn voxels_of_the_ends_do_not_block() {
     let segments: Vec<Ends> = cases.iter().map(|case| case.0).collect();
     let expected: Vec<u32> = cases.iter().map(|case| case.1).collect();
     for axis in [Axis::X, Axis::Y, Axis::Z] {
-        let marched =
-            march(gpu, &scene, &grid, &segments, |graph, scene| Conservative { axis }.record(graph, scene, &grid));
+        let marched = march(gpu, &scene, &grid, &segments, |graph, scene| {
+            Conservative { axis, ..Conservative::default() }.record(graph, scene, &grid)
+        });
         assert_eq!(marched.voxels.count(), 6);
         assert!(marched.blocked.iter().all(|found| found == &expected), "{axis:?}: {:?}", marched.blocked);
     }

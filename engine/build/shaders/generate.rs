@@ -162,13 +162,11 @@ fn write_shader(code: &mut String, shader: &Shader) {
     });
     let _ = write!(
         code,
-        "    const BYTES: &[u8] = include_bytes!(concat!(env!(\"OUT_DIR\"), {spirv:?}));
-    static WORDS: [u32; BYTES.len() / 4] = crate::shader::words(BYTES);
-    /// The shader.
+        "    /// The shader.
     pub static SHADER: crate::shader::Shader = crate::shader::Shader {{
         file: {path:?},
         stage: crate::shader::Stage::{stage},
-        spirv: &WORDS,
+        spirv: include_bytes!(concat!(env!(\"OUT_DIR\"), {spirv:?})),
         bindings: &BINDINGS,
         push: {push},
         inputs: &[{inputs}],

@@ -27,4 +27,4 @@ pub use model::{Capture, Channel, Part, Samples};
 pub use npy::{NpyScalar, write_npy};
 pub use png::{PngOptions, ToneMap, auto_exposure, write_png};
 pub use texels::unpack;
-pub use voxels::{VoxelFormat, write_voxels};
+pub use voxels::{VoxelFormat, write_voxel_attributes, write_voxels};

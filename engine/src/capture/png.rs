@@ -111,7 +111,8 @@ pub fn write_png(path: &Path, size: [u32; 2], rgba: &[[f32; 4]], options: &PngOp
     })
 }
 
-fn to_srgb8(linear: f32) -> u8 {
+/// IEC 61966-2-1, clamped.
+pub(super) fn to_srgb8(linear: f32) -> u8 {
     let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
     (encoded.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
 }

@@ -137,6 +137,12 @@ impl<'s> Captured<'s> {
         }
     }
 
+    /// Ambient occlusion.
+    pub(super) fn occlusion(&mut self, graph: &mut Graph, open: &ImageHandle) {
+        let name = "ambient_occlusion";
+        self.image(graph, name, vec![(name.into(), 0)], Samples::Color, name, open);
+    }
+
     /// Layers of the lights.
     pub(super) fn shadows(&mut self, graph: &mut Graph, scene: &GpuScene, shadows: &Shadows) {
         for (light, shadow) in scene.lights.iter().zip(&shadows.of_lights) {
@@ -164,7 +170,7 @@ impl<'s> Captured<'s> {
         if let Some(spots) = &shadows.spots {
             let spot_lights = scene.lights.iter().zip(&shadows.of_lights).filter_map(|(light, shadow)| {
                 let shadow = shadow.filter(|_| crate::techniques::shadow::spot::Spot::serves(light))?;
-                Some((light, shadow.index))
+                Some((light, shadow.index?))
             });
             for (light, index) in spot_lights {
                 let name = format!("map.{}", light.name);

@@ -4,11 +4,13 @@
 mod adaptive;
 mod layers;
 mod shadows;
+mod voxels;
 
 use glam::Vec3;
 
 pub use adaptive::AdaptiveLists;
 pub use layers::{ABUFFER_REPORT, Deep, Layer, Samples, Selection, Source};
+pub use voxels::VoxelVisibility;
 
 use self::shadows::{SpotMaps, SunShadow};
 use crate::graph::{BufferHandle, Graph, ImageHandle};
@@ -86,6 +88,8 @@ pub struct FrameSettings {
     pub spot: Spot,
     /// What comes through blended surfaces of the light of those that have shadows; else they throw none.
     pub deep_shadow: Option<DeepShadow>,
+    /// Shadows of point lights, and ambient occlusion, by rays through voxels.
+    pub voxels: Option<VoxelVisibility>,
     /// Radiance that comes from everywhere, cd/m².
     pub environment: Vec3,
     /// How finely the G-buffer and the layers of the A-buffer are stored.
@@ -112,6 +116,7 @@ impl FrameSettings {
             cascaded: Cascaded::default(),
             spot: Spot::default(),
             deep_shadow: None,
+            voxels: None,
             environment: Vec3::ZERO,
             precision: Precision::default(),
             transparency: Transparency::default(),
@@ -151,7 +156,11 @@ impl FrameSettings {
 
         // 2. Lights: maps and masks of those that cast shadows.
         let receivers = Receivers { view, depth: &surfaces.depth, ids: &surfaces.ids };
-        let shadows = self.shadows(graph, scene, &receivers);
+        let occluders = self.voxels.map(|voxels| voxels.occluders(graph, scene)).transpose();
+        let (occluders, why_not) = occluders.map_or_else(|error| (None, Some(error)), |occluders| (occluders, None));
+        let marched = self.voxels.zip(occluders.as_ref());
+        let mut shadows = self.shadows(graph, scene, &receivers, marched.map(|marched| (marched, &position)));
+        shadows.warnings.extend(why_not.map(|error| format!("there are no voxels: {error}")));
         let lights = light_block(&scene.lights, &shadows.of_lights);
 
         // 3. Camera: shading of the opaque surfaces, then blended ones over them.
@@ -193,6 +202,10 @@ impl FrameSettings {
         // 4. Captures.
         captured.frame(graph, &color, &lit.direct, &position, &surfaces);
         captured.shadows(graph, scene, &shadows);
+        if let Some((VoxelVisibility { occlusion, .. }, occluders)) = marched {
+            let open = occlusion.record(graph, occluders, &position, &surfaces.ids);
+            captured.occlusion(graph, &open);
+        }
         if let Some(layers) = &layers {
             captured.abuffer(graph, layers);
         }

@@ -2,7 +2,7 @@
 
 use ash::vk;
 
-use super::FrameSettings;
+use super::{FrameSettings, VoxelVisibility};
 use crate::geometry::Aabb;
 use crate::graph::{Graph, ImageHandle, ImageShape, Load};
 use crate::scene::{DrawClass, GpuScene, Light, LightKind, LightShadow, MAX_LIGHTS, View, depth};
@@ -10,29 +10,47 @@ use crate::shader::generated::blocks;
 use crate::techniques::shadow::Receivers;
 use crate::techniques::shadow::cascaded::CascadedShadow;
 use crate::techniques::shadow::deep::{self, DeepShadow, DeepShadows, SortedCasters};
+use crate::techniques::shadow::marched;
 use crate::techniques::shadow::spot::{MAX_SPOTS, Spot, SpotShadows};
 use crate::techniques::transparency::abuffer::{ABuffer, MOST_LAYERS, NodeFormat, SortedLists};
 use crate::techniques::transparency::casters::Casters;
+use crate::techniques::voxel::Occluders;
 
 impl FrameSettings {
-    /// Shadow maps of the first directional light and of the spots, and one image with a mask a layer.
-    pub(super) fn shadows<'f>(&self, graph: &mut Graph<'f>, scene: &'f GpuScene, receivers: &Receivers) -> Shadows {
+    /// Shadow maps of the first directional light and of the spots, rays to point lights where there are voxels (with
+    /// positions of pixels), and one image with a mask a layer.
+    pub(super) fn shadows<'f>(
+        &self,
+        graph: &mut Graph<'f>,
+        scene: &'f GpuScene,
+        receivers: &Receivers,
+        marched: Option<((VoxelVisibility, &Occluders), &ImageHandle)>,
+    ) -> Shadows {
         let lights = &scene.lights;
         let sun = lights.iter().enumerate().find_map(|(i, light)| match light.kind {
             LightKind::Directional { direction, .. } => Some((i, direction)),
             LightKind::Point { .. } | LightKind::Spot { .. } => None,
         });
         let spots: Vec<usize> = (0..lights.len()).filter(|&i| Spot::serves(&lights[i])).take(MAX_SPOTS).collect();
-        let count = u32::from(sun.is_some()) + spots.len() as u32;
+        let is_point = |&i: &usize| marched.is_some() && matches!(lights[i].kind, LightKind::Point { .. });
+        let points: Vec<usize> = (0..lights.len()).filter(is_point).take(marched::MAX_LIGHTS).collect();
+        let blocks = [u32::from(sun.is_some()), spots.len() as u32, points.len() as u32];
+        let count = blocks.iter().sum();
 
-        // Masks: the sun's first, then the spots'.
+        // Masks: the sun's first, then the spots', then the points'.
         let mut shadows = Shadows::new(lights);
-        if let Some((sun, _)) = sun {
-            shadows.of_lights[sun] = Some(LightShadow { mask: 0, index: 0, deep: None });
+        let shadow_of = |mask, index| Some(LightShadow { mask, index, deep: None });
+        let mut masks = 0..;
+        if let Some((sun, _)) = sun
+            && let Some(mask) = masks.next()
+        {
+            shadows.of_lights[sun] = shadow_of(mask, Some(0));
         }
-        for (index, &spot) in spots.iter().enumerate() {
-            let index = index as u32;
-            shadows.of_lights[spot] = Some(LightShadow { mask: u32::from(sun.is_some()) + index, index, deep: None });
+        for ((index, &spot), mask) in (0..).zip(&spots).zip(&mut masks) {
+            shadows.of_lights[spot] = shadow_of(mask, Some(index));
+        }
+        for (&point, mask) in points.iter().zip(masks) {
+            shadows.of_lights[point] = shadow_of(mask, None);
         }
         shadows.warn(lights);
         if count == 0 {
@@ -40,7 +58,6 @@ impl FrameSettings {
         }
         let shape = ImageShape::new_2d(vk::Format::R32_SFLOAT, self.view.size).layers(count);
         let masks = graph.image("shadow.masks", shape);
-        let blocks = [u32::from(sun.is_some()), spots.len() as u32];
         let blocks: Vec<u32> = blocks.into_iter().filter(|&layers| layers > 0).collect();
         let mut masks = graph.split_layer_blocks(masks, &blocks).into_iter();
         let mut written = Vec::with_capacity(blocks.len());
@@ -53,12 +70,19 @@ impl FrameSettings {
             shadows.sun = Some(SunShadow { index, map, parameters, taps });
         }
         let spot_lights: Vec<&Light> = spots.iter().map(|&i| &lights[i]).collect();
-        if let Some(masks) = masks.next()
+        if !spot_lights.is_empty()
+            && let Some(masks) = masks.next()
             && let Some(spots) = self.spot.record(graph, scene, receivers, &spot_lights, masks)
         {
             let SpotShadows { masks, maps, parameters, taps } = spots;
             written.push(masks);
             shadows.spots = Some(SpotMaps { maps, parameters, taps });
+        }
+        if let Some(((VoxelVisibility { shadows: technique, .. }, occluders), position)) = marched
+            && let Some(masks) = masks.next()
+        {
+            let lights: Vec<&Light> = points.iter().map(|&i| &lights[i]).collect();
+            written.push(technique.record(graph, occluders, [position, receivers.ids], &lights, masks));
         }
         shadows.masks = graph.join(written);
         if let Some(technique) = self.deep_shadow {

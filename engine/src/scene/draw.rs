@@ -210,7 +210,7 @@ impl GpuScene {
 
     /// As [`GpuScene::draw`], for programs whose vertex shader pulls its vertices: `gl_VertexIndex` is the place in the
     /// index buffer.
-    fn draw_pulled(&self, recorder: &mut Recorder, faces: Faces, draws: &[Draw]) {
+    pub fn draw_pulled(&self, recorder: &mut Recorder, faces: Faces, draws: &[Draw]) {
         for draw in draws {
             self.state(recorder, faces, draw);
             recorder.draw(draw.indices.clone(), draw.instances.clone());

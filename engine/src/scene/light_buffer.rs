@@ -10,8 +10,8 @@ use crate::shader::generated::blocks;
 pub struct LightShadow {
     /// Layer of the shadow masks.
     pub mask: u32,
-    /// Its number among the lights that its shadow technique serves.
-    pub index: u32,
+    /// Its number among the lights that its shadow technique serves, where that one has a function for any point.
+    pub index: Option<u32>,
     /// Its number among the lights with a deep shadow map.
     pub deep: Option<u32>,
 }
@@ -55,7 +55,7 @@ fn record(light: &Light, shadow: Option<LightShadow>) -> blocks::Light {
         cone_scale,
         cone_offset,
         mask: shadow.map_or(-1, |shadow| shadow.mask as i32),
-        shadow: shadow.map_or(-1, |shadow| shadow.index as i32),
+        shadow: shadow.and_then(|shadow| shadow.index).map_or(-1, |index| index as i32),
         deep: shadow.and_then(|shadow| shadow.deep).map_or(-1, |deep| deep as i32),
     }
 }

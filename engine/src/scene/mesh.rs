@@ -4,6 +4,8 @@ use std::collections::{HashMap, HashSet};
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
+use super::Scene;
+
 /// Geometry that objects share.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
@@ -36,6 +38,14 @@ impl Mesh {
             }
         }
         odd.len()
+    }
+}
+
+impl Scene {
+    /// Meshes whose surface is not closed, with the number of their open edges.
+    pub fn open_meshes(&self) -> Vec<(&str, usize)> {
+        let open = self.meshes.iter().map(|mesh| (mesh.name.as_str(), mesh.open_edges()));
+        open.filter(|&(_, edges)| edges > 0).collect()
     }
 }
 

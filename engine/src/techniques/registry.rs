@@ -25,6 +25,11 @@ pub static TECHNIQUES: &[Technique] = &[
         name: "deep",
         summary: "what comes through blended surfaces of a light's red, green and blue",
     },
+    Technique {
+        family: "shadow",
+        name: "marched",
+        summary: "shadows of any light by rays through voxels, without maps",
+    },
     Technique { family: "shadow", name: "spot", summary: "a shadow map for each spot light" },
     Technique { family: "surface", name: "depth", summary: "depth pre-pass" },
     Technique { family: "surface", name: "gbuffer", summary: "geometry and material of the first opaque surface" },
@@ -74,10 +79,25 @@ pub static TECHNIQUES: &[Technique] = &[
         name: "weighted",
         summary: "blended materials, averaged with weights that fall with distance, in one pass",
     },
+    Technique {
+        family: "voxel",
+        name: "ambient_occlusion",
+        summary: "how open the space around a surface is, by rays through voxels",
+    },
+    Technique {
+        family: "voxel",
+        name: "attributes",
+        summary: "what surfaces are like in each voxel, averaged by area",
+    },
     Technique { family: "voxel", name: "bitmask", summary: "solid voxelization by XOR of column bits, in one pass" },
     Technique { family: "voxel", name: "conservative", summary: "every voxel that a triangle touches" },
     Technique { family: "voxel", name: "ray_marching", summary: "which points see which, through the bits of a grid" },
     Technique { family: "voxel", name: "six_separating", summary: "voxels of thin surfaces without leaks" },
     Technique { family: "voxel", name: "stencil", summary: "solid voxelization slice by slice, counted in a stencil" },
+    Technique {
+        family: "voxel",
+        name: "vote",
+        summary: "solids whose surfaces are not closed, by columns along three axes",
+    },
     Technique { family: "voxel", name: "winding", summary: "solid voxelization by winding numbers, in one pass" },
 ];

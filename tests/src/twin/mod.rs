@@ -3,6 +3,7 @@
 //! None of them looks at a shader. Where a definition leaves something open, the twin's module says what it chose.
 
 pub mod approximate;
+pub mod attributes;
 pub mod brdf;
 pub mod bvh;
 pub mod camera;
@@ -14,6 +15,7 @@ pub mod shadow;
 pub mod surface;
 pub mod texture;
 pub mod transmittance;
+pub mod vote;
 pub mod voxel;
 pub mod walk;
 

@@ -36,8 +36,14 @@ pub fn solid(triangles: &[[DVec3; 3]], size: [u32; 3]) -> Vec<bool> {
 /// Winding number of each voxel, in the order `[z][y][x]`: surfaces that a ray towards smaller x crosses, those that face
 /// smaller x against those that face larger x.
 pub fn windings(triangles: &[[DVec3; 3]], size: [u32; 3]) -> Vec<i32> {
+    rows(triangles, size).0
+}
+
+/// The same, and by row, `[z][y]`, the sum over all crossings of its line.
+pub fn rows(triangles: &[[DVec3; 3]], size: [u32; 3]) -> (Vec<i32>, Vec<i32>) {
     let [nx, ny, nz] = size.map(|n| n as usize);
     let mut windings = vec![0; nx * ny * nz];
+    let mut sums = vec![0; ny * nz];
     for triangle in triangles {
         // Centres at most as far out as the triangle.
         let rows = |axis: usize, n: usize| {
@@ -47,6 +53,7 @@ pub fn windings(triangles: &[[DVec3; 3]], size: [u32; 3]) -> Vec<i32> {
         for z in rows(2, nz) {
             for y in rows(1, ny) {
                 let Some((x, sign)) = crossing(triangle, y as f64 + 0.5, z as f64 + 0.5) else { continue };
+                sums[z * ny + y] += sign;
                 // The first voxel of the row with its centre beyond the crossing.
                 let first = (x - 0.5).floor() + 1.0;
                 if first < nx as f64 {
@@ -62,7 +69,7 @@ pub fn windings(triangles: &[[DVec3; 3]], size: [u32; 3]) -> Vec<i32> {
             *voxel = sum;
         }
     }
-    windings
+    (windings, sums)
 }
 
 /// Least and greatest coordinate along an axis.

@@ -44,7 +44,7 @@ pub fn shader(
         other => panic!("{other:?}"),
     };
     let code = compiler.compile_into_spirv(source, kind, file, "main", Some(&options)).unwrap();
-    let spirv = code.as_binary().to_vec().leak();
+    let spirv = code.as_binary_u8().to_vec().leak();
     Box::leak(Box::new(Shader {
         file,
         stage,

@@ -1,7 +1,7 @@
 //! What commands share: a device, a scene on it, and a frame.
 
 use serde::Serialize;
-use shadowgraph::frame::{ABUFFER_REPORT, Frame, FrameSettings, Selection};
+use shadowgraph::frame::{ABUFFER_REPORT, Frame, FrameSettings, Selection, VoxelVisibility};
 use shadowgraph::gpu::{Gpu, GpuOptions, Messages, Severity, Validation};
 use shadowgraph::graph::{Executed, Executor, Graph};
 use shadowgraph::scene::{Camera, GpuScene, Scene};
@@ -67,11 +67,12 @@ pub fn load(arguments: &FrameArguments) -> Result<Scene> {
 const MOST_BANDS: u32 = 64;
 
 /// Settings of a frame as the arguments have them.
-pub fn frame_settings(arguments: &FrameArguments, scene: &Scene, camera: &Camera) -> Result<FrameSettings> {
+pub fn frame_settings(arguments: &FrameArguments, scene: &GpuScene, camera: &Camera) -> Result<FrameSettings> {
     let environment = arguments.environment.unwrap_or_else(|| view::sky(scene));
     Ok(FrameSettings {
         precision: if arguments.float { Precision::Float } else { Precision::Compact },
         environment: glam::Vec3::splat(environment),
+        voxels: arguments.voxels.map(|resolution| VoxelVisibility::new(resolution, scene)),
         layers: arguments.layers.clone(),
         transparency: arguments.transparency()?,
         deep_shadow: arguments.deep_shadows.map(|resolution| DeepShadow { resolution }),
@@ -138,6 +139,9 @@ pub struct Recipe {
     camera: String,
     sun: Option<[f32; 4]>,
     environment: f32,
+    /// Voxels along a side, where points see through them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    voxels: Option<u32>,
     float: bool,
     /// Texels a side.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -156,6 +160,7 @@ impl Recipe {
             camera: camera.name.clone(),
             sun: arguments.sun.map(|sun| sun.direction.extend(sun.illuminance).to_array()),
             environment: settings.environment.x,
+            voxels: settings.voxels.map(|voxels| voxels.resolution),
             float: arguments.float,
             deep_shadows: arguments.deep_shadows,
             transparency: settings.composited_by().name(),

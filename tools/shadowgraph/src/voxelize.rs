@@ -5,16 +5,18 @@ use std::time::Instant;
 
 use clap::ValueEnum;
 use serde::Serialize;
-use shadowgraph::capture::{VoxelFormat, write_atomically, write_voxels};
+use shadowgraph::capture::{VoxelFormat, write_atomically, write_voxel_attributes, write_voxels};
 use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::{Executor, Graph};
-use shadowgraph::scene::{GpuScene, Scene};
+use shadowgraph::scene::GpuScene;
+use shadowgraph::techniques::voxel::attributes::{Attributes, VoxelAttributes};
 use shadowgraph::techniques::voxel::bitmask::Bitmask;
 use shadowgraph::techniques::voxel::conservative::Conservative;
 use shadowgraph::techniques::voxel::six_separating::SixSeparating;
 use shadowgraph::techniques::voxel::stencil::Stencil;
+use shadowgraph::techniques::voxel::vote::Vote;
 use shadowgraph::techniques::voxel::winding::Winding;
-use shadowgraph::techniques::voxel::{Grid, VoxelBits, Voxels};
+use shadowgraph::techniques::voxel::{Axis, FillRule, Grid, VoxelBits, Voxels};
 
 use crate::cli::{RuleName, VoxelMethod, VoxelizeArguments};
 use crate::failure::{Failure, Result};
@@ -42,6 +44,9 @@ struct Description {
     set: u64,
     /// Meshes whose surface is not closed, with the number of their open edges.
     open_meshes: Vec<(String, usize)>,
+    /// Columns along x, y and z in which inside and outside are wrong somewhere, of solids.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    leaks: Option<[u32; 3]>,
 }
 
 /// What `--json` prints.
@@ -70,18 +75,29 @@ pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
     if arguments.rule.is_some() && !has_rule {
         return Err(Failure::input("--rule is for --method stencil and --method winding"));
     }
+    if arguments.vote && !arguments.method.is_solid() {
+        return Err(Failure::input("--vote is for solids: --method bitmask, stencil and winding"));
+    }
+    if arguments.attributes && !format.holds_attributes() {
+        return Err(Failure::input("--attributes is for files that hold them: .vox and .exr"));
+    }
     // 1. A scene of closed surfaces, or a warning where solids are wanted.
     let scene = session::scene(&arguments.scene)?;
-    let open_meshes = open_meshes(&scene);
+    let open_meshes: Vec<_> = scene.open_meshes().iter().map(|&(name, edges)| (name.to_string(), edges)).collect();
+    let outcome = if arguments.vote {
+        "what is inside of it is a vote of three axes"
+    } else {
+        "columns behind its holes are wrong; --vote asks three axes"
+    };
     for (name, edges) in open_meshes.iter().filter(|_| arguments.method.is_solid()) {
-        log::warn!("mesh `{name}` is not closed ({edges} open edges): columns behind its holes are wrong");
+        log::warn!("mesh `{name}` is not closed ({edges} open edges): {outcome}");
     }
     // 2. Its voxels. All that holds on to the device goes before the device.
     let gpu = session::open(&arguments.device)?;
     let device = gpu.caps().title();
     let found = scene.upload(&gpu).map_err(Failure::from).and_then(|scene| voxelize(arguments, &gpu, &scene));
     let closed = session::close(gpu);
-    let (voxels, seconds, bytes) = found?;
+    let Found { voxels, attributes, leaks, seconds, bytes } = found?;
     closed?;
     // 3. The file, and beside it what it means.
     let grid = voxels.grid();
@@ -90,7 +106,7 @@ pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
         scene: arguments.scene.to_string(),
         method: name(&arguments.method),
         rule: has_rule.then(|| name(&arguments.rule.unwrap_or(RuleName::NonZero))),
-        axis: name(&arguments.axis),
+        axis: if arguments.vote { "vote".into() } else { name(&arguments.axis) },
         resolution: grid.size(),
         min: grid.min().to_array(),
         voxel_edge: grid.edge(),
@@ -101,8 +117,12 @@ pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
         },
         set: voxels.count(),
         open_meshes,
+        leaks,
     };
-    write_voxels(path, &voxels, format)?;
+    match &attributes {
+        Some(attributes) => write_voxel_attributes(path, attributes, format)?,
+        None => write_voxels(path, &voxels, format)?,
+    }
     let text = serde_json::to_string_pretty(&description).map_err(Failure::failed)?;
     write_atomically(&beside, |file| writeln!(file, "{text}"))?;
     if arguments.json {
@@ -112,11 +132,6 @@ pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
     }
     let set = description.set;
     print(format!("wrote {} and {}: {set} of {x}×{y}×{z} voxels are set", path.display(), beside.display()))
-}
-
-fn open_meshes(scene: &Scene) -> Vec<(String, usize)> {
-    let open = scene.meshes.iter().map(|mesh| (mesh.name.clone(), mesh.open_edges()));
-    open.filter(|&(_, edges)| edges > 0).collect()
 }
 
 /// As the command line has it.
@@ -135,34 +150,71 @@ fn grid(arguments: &VoxelizeArguments, scene: &GpuScene) -> Result<Grid> {
     made.map_err(Failure::input)
 }
 
-/// The voxels, the seconds they took, and the bytes of memory.
-fn voxelize(arguments: &VoxelizeArguments, gpu: &Gpu, scene: &GpuScene) -> Result<(Voxels, f64, u64)> {
-    let grid = grid(arguments, scene)?;
-    let began = Instant::now();
-    let axis = arguments.axis.into();
-    let rule = arguments.rule.unwrap_or(RuleName::NonZero).into();
-    let mut executor = Executor::new(gpu);
-    let (voxels, bytes) = find(&mut executor, gpu, &grid, |graph| match arguments.method {
-        VoxelMethod::Bitmask => Bitmask { axis, ..Bitmask::default() }.record(graph, scene, &grid),
-        VoxelMethod::Stencil => Stencil { axis, rule, ..Stencil::default() }.record(graph, scene, &grid),
-        VoxelMethod::Winding => Winding { axis, rule }.record(graph, scene, &grid),
-        VoxelMethod::Conservative => Conservative { axis }.record(graph, scene, &grid),
-        VoxelMethod::SixSeparating => SixSeparating { axis }.record(graph, scene, &grid),
-    })?;
-    Ok((voxels, began.elapsed().as_secs_f64(), bytes))
+/// What was found.
+struct Found {
+    voxels: Voxels,
+    attributes: Option<VoxelAttributes>,
+    /// Columns that leak along x, y and z, of solids.
+    leaks: Option<[u32; 3]>,
+    seconds: f64,
+    /// Of transient memory.
+    bytes: u64,
 }
 
-/// The voxels that a technique records, and the bytes of transient memory it takes.
-pub fn find<'f>(
-    executor: &mut Executor,
-    gpu: &'f Gpu,
+/// The voxels by a method, with columns along an axis.
+fn record<'f>(
+    method: VoxelMethod,
+    graph: &mut Graph<'f>,
+    scene: &'f GpuScene,
     grid: &Grid,
-    record: impl FnOnce(&mut Graph<'f>) -> shadowgraph::Result<VoxelBits>,
-) -> Result<(Voxels, u64)> {
+    axis: Axis,
+    rule: FillRule,
+) -> shadowgraph::Result<VoxelBits> {
+    match method {
+        VoxelMethod::Bitmask => Bitmask { axis, ..Bitmask::default() }.record(graph, scene, grid),
+        VoxelMethod::Stencil => Stencil { axis, rule, ..Stencil::default() }.record(graph, scene, grid),
+        VoxelMethod::Winding => Winding { axis, rule }.record(graph, scene, grid),
+        VoxelMethod::Conservative => Conservative { axis, ..Conservative::default() }.record(graph, scene, grid),
+        VoxelMethod::SixSeparating => SixSeparating { axis, ..SixSeparating::default() }.record(graph, scene, grid),
+    }
+}
+
+fn voxelize(arguments: &VoxelizeArguments, gpu: &Gpu, scene: &GpuScene) -> Result<Found> {
+    let grid = grid(arguments, scene)?;
+    let began = Instant::now();
+    let method = arguments.method;
+    // XOR is the even-odd rule.
+    let is_xor = method == VoxelMethod::Bitmask || arguments.rule == Some(RuleName::EvenOdd);
+    let rule = if is_xor { FillRule::EvenOdd } else { FillRule::NonZero };
     let mut graph = Graph::new("voxelize", gpu.caps());
-    let VoxelBits { bits, axis, .. } = record(&mut graph)?;
-    graph.capture("voxels", &bits);
+    // 1. The voxels, along one axis or by the vote of three; columns that leak.
+    let vote = Vote { rule };
+    let leaks = method.is_solid().then(|| vote.leaks(&mut graph, scene, &grid));
+    let voxels = match leaks.as_ref().filter(|_| arguments.vote) {
+        Some(leaks) => {
+            let [x, y, z] =
+                [Axis::X, Axis::Y, Axis::Z].map(|axis| record(method, &mut graph, scene, &grid, axis, rule));
+            vote.record(&mut graph, [&x?, &y?, &z?], leaks)?
+        }
+        None => record(method, &mut graph, scene, &grid, arguments.axis.into(), rule)?,
+    };
+    graph.capture("voxels", &voxels.bits);
+    if let Some(leaks) = &leaks {
+        graph.capture("leaks", &leaks.counts);
+    }
+    // 2. What surfaces are like in them.
+    if arguments.attributes {
+        Attributes::default().record(&mut graph, scene, &voxels)?.capture(&mut graph);
+    }
+    let axis = voxels.axis;
     let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
-    let executed = executor.execute(&plan, graph)?;
-    Ok((Voxels::read(executed.capture("voxels")?, grid, axis)?, plan.statistics.heap_bytes))
+    let executed = Executor::new(gpu).execute(&plan, graph)?;
+    // 3. All of it on the host.
+    let voxels = Voxels::read(executed.capture("voxels")?, &grid, axis)?;
+    let read = |_| VoxelAttributes::read(&executed, voxels.clone());
+    let attributes = arguments.attributes.then_some(()).map(read).transpose()?;
+    let leaks = leaks.map(|_| executed.capture("leaks")?.texels::<[u32; 3]>()).transpose()?;
+    let leaks = leaks.and_then(|counts| counts.first().copied());
+    let seconds = began.elapsed().as_secs_f64();
+    Ok(Found { voxels, attributes, leaks, seconds, bytes: plan.statistics.heap_bytes })
 }

@@ -425,6 +425,22 @@ fn voxels_are_written_with_what_they_mean() {
     let shown = ["capture", "part.glb", "-o", "shown.exr", "--size", "16x16"];
     succeeds(&folder, &shown);
 
+    // Colours of surfaces, and a vote where they have holes.
+    for name in ["colors.vox", "colors.exr"] {
+        let surface = ["voxelize", "builtin:cornell", "--method", "conservative", "--resolution", "16"];
+        succeeds(&folder, &[&surface[..], &["--attributes", "-o", name]].concat());
+    }
+    let vote = ["voxelize", "builtin:cornell", "--resolution", "16", "--vote", "-o", "vote.npy", "--json"];
+    let output = succeeds(&folder, &vote);
+    let told: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+    let leaks = told["leaks"].as_array().unwrap();
+    assert!(leaks.len() == 3 && leaks.iter().any(|count| count.as_u64() > Some(0)) && told["axis"] == "vote", "{told}");
+    assert!(stderr(&output).contains("vote of three axes"));
+    let refused = |more: &[&'static str], why| is_refused(&[&["voxelize", "builtin:cornell"], more].concat(), why);
+    refused(&["--attributes", "-o", "o.npy"], ".vox and .exr");
+    refused(&["--vote", "--method", "conservative", "-o", "o.npy"], "bitmask, stencil and winding");
+    refused(&["--vote", "--axis", "x", "-o", "o.npy"], "cannot be used with");
+
     // Surfaces need not be closed.
     let surface = ["voxelize", "builtin:cornell", "--method", "conservative", "--resolution", "16", "-o", "walls.npy"];
     assert_eq!(stderr(&succeeds(&folder, &surface)).matches("warn").count(), 0);

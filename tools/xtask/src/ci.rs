@@ -12,7 +12,10 @@ use std::time::Instant;
 /// Runs every step, and stops at the first that fails.
 pub fn ci(workspace: &Workspace) -> Result<()> {
     let mut steps = Steps::default();
-    steps.run("format", || cargo(workspace, &["fmt", "--all", "--check"]))?;
+    steps.run("format", || {
+        no_leftovers(workspace)?;
+        cargo(workspace, &["fmt", "--all", "--check"])
+    })?;
     steps.run("set-up", || setup_gate(workspace))?;
     steps
         .run("clippy", || cargo(workspace, &["clippy", "--workspace", "--all-targets", "--", "--deny", "warnings"]))?;
@@ -34,6 +37,17 @@ pub fn ci(workspace: &Workspace) -> Result<()> {
 
 fn cargo(workspace: &Workspace, arguments: &[&str]) -> Result<()> {
     shell::run(&mut shell::cargo(&workspace.root, arguments))
+}
+
+/// Fails on spaces at line ends and on what a merge left of both sides, in any file of a checkout.
+fn no_leftovers(workspace: &Workspace) -> Result<()> {
+    /// Git's tree without files: all else differs from it.
+    const EMPTY: &str = "4b825dc642cb6eb9a060e54bf8d69288fbee4904";
+    if !workspace.path(".git").exists() {
+        return Ok(());
+    }
+    let arguments = ["-c", "core.whitespace=-blank-at-eof", "--no-pager", "diff", "--check", EMPTY];
+    shell::run(&mut shell::command(&workspace.root, "git", &arguments))
 }
 
 fn portable_tests(workspace: &Workspace, driver: Driver) -> Result<()> {

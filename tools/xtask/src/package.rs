@@ -4,7 +4,7 @@ use crate::failure::{Failure, Result};
 use crate::shell;
 use crate::workspace::{Workspace, make_folder, read, write};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// How to pack.
 #[derive(Debug, clap::Args)]
@@ -14,6 +14,9 @@ pub struct PackageOptions {
     pub check: bool,
 }
 
+/// What is packed: the library, and its lower floors.
+const PACKAGES: [&str; 2] = ["shadowgraph", "shadowgraph-core"];
+
 /// The file that `engine/examples/capture.rs` writes.
 const RESULT: &str = "sun.npy";
 
@@ -22,8 +25,11 @@ pub fn package(workspace: &Workspace, options: &PackageOptions) -> Result<()> {
     let prebuilt = workspace.path("engine/prebuilt");
     let packed = compile_shaders(workspace, &prebuilt).and_then(|()| {
         // What it would verify, the program outside the workspace shows.
-        let arguments = ["package", "--package", "shadowgraph", "--allow-dirty", "--no-verify"];
-        shell::run(&mut shell::cargo(&workspace.root, &arguments))
+        let mut pack = shell::cargo(&workspace.root, &["package", "--allow-dirty", "--no-verify"]);
+        PACKAGES.iter().for_each(|name| {
+            pack.args(["--package", name]);
+        });
+        shell::run(&mut pack)
     });
     // A checkout compiles its own shaders: these would be out of date at the next edit.
     let _ = fs::remove_dir_all(&prebuilt);
@@ -45,10 +51,8 @@ fn compile_shaders(workspace: &Workspace, folder: &Path) -> Result<()> {
 /// Builds the engine's example against the package, outside the workspace and without a shader compiler, and runs it.
 fn check(workspace: &Workspace) -> Result<()> {
     let packages = workspace.target().join("package");
-    let name = format!("shadowgraph-{}", env!("CARGO_PKG_VERSION"));
-    let unpacked = packages.join(&name);
-    let _ = fs::remove_dir_all(&unpacked);
-    shell::run(&mut shell::command(&packages, "tar", &["-xzf", &format!("{name}.crate")]))?;
+    let [engine, core] = PACKAGES.map(|package| unpack(&packages, package));
+    let (engine, core) = (engine?, core?);
 
     let outside = workspace.target().join("outside");
     make_folder(&outside.join("src"))?;
@@ -56,9 +60,9 @@ fn check(workspace: &Workspace) -> Result<()> {
     let _ = fs::remove_file(&result);
     // The workspace's versions and profile, so that dependencies are compiled once for both.
     let workspace_manifest = read(&workspace.path("Cargo.toml"))?;
-    write(&outside.join("Cargo.toml"), &(manifest(&unpacked) + &profile(&workspace_manifest)))?;
+    write(&outside.join("Cargo.toml"), &(manifest(&engine, &core) + &profile(&workspace_manifest)))?;
     write(&outside.join("Cargo.lock"), &read(&workspace.path("Cargo.lock"))?)?;
-    write(&outside.join("src/main.rs"), &read(&unpacked.join("examples/capture.rs"))?)?;
+    write(&outside.join("src/main.rs"), &read(&engine.join("examples/capture.rs"))?)?;
 
     let tree = shell::checked_output(&mut shell::cargo(&outside, &["tree", "--edges", "all"]))?;
     if let Some(line) = tree.lines().find(|line| line.contains("shaderc")) {
@@ -70,10 +74,21 @@ fn check(workspace: &Workspace) -> Result<()> {
     Ok(())
 }
 
-fn manifest(engine: &Path) -> String {
+/// The folder of a package, anew from its archive.
+fn unpack(packages: &Path, package: &str) -> Result<PathBuf> {
+    let name = format!("{package}-{}", env!("CARGO_PKG_VERSION"));
+    let folder = packages.join(&name);
+    let _ = fs::remove_dir_all(&folder);
+    shell::run(&mut shell::command(packages, "tar", &["-xzf", &format!("{name}.crate")]))?;
+    Ok(folder)
+}
+
+/// Cargo would look for the lower floors where packages are published.
+fn manifest(engine: &Path, core: &Path) -> String {
     format!(
         "[package]\nname = \"outside\"\nversion = \"0.0.0\"\nedition = \"2024\"\npublish = false\n\n\
-         [dependencies]\nshadowgraph = {{ path = {engine:?} }}\n\n[workspace]\n"
+         [dependencies]\nshadowgraph = {{ path = {engine:?} }}\n\n\
+         [patch.crates-io]\nshadowgraph-core = {{ path = {core:?} }}\n\n[workspace]\n"
     )
 }
 

@@ -57,7 +57,13 @@ mod tests {
         let workspace = Workspace::find().unwrap();
         let notices = read(&workspace.path("THIRD_PARTY.md")).unwrap();
         let mut compared = 0;
-        for manifest in ["Cargo.toml", "engine/Cargo.toml", "tests/Cargo.toml", "tools/shadowgraph/Cargo.toml"] {
+        for manifest in [
+            "Cargo.toml",
+            "engine/Cargo.toml",
+            "engine/core/Cargo.toml",
+            "tests/Cargo.toml",
+            "tools/shadowgraph/Cargo.toml",
+        ] {
             let text = read(&workspace.path(manifest)).unwrap();
             for name in dependencies(&text).filter(|name| !name.starts_with("shadowgraph")) {
                 let named =

@@ -3,12 +3,14 @@
 mod binvox;
 mod glb;
 mod magica;
+mod palette;
 mod slices;
 
 use std::path::Path;
 
 use super::{Capture, Channel, Compression, ExrOptions, Part, Samples, Value, write_exr, write_npy};
 use crate::techniques::voxel::Voxels;
+use crate::techniques::voxel::attributes::{Attribute, VoxelAttributes};
 use crate::{Error, Result};
 
 /// What a file of voxels is.
@@ -21,9 +23,11 @@ pub enum VoxelFormat {
     PackedNpy,
     /// binvox (Min, *binvox: 3D mesh voxelizer*): runs of equal voxels.
     Binvox,
-    /// MagicaVoxel's models of at most 256 voxels an axis, y up as z up, in one grey.
+    /// MagicaVoxel's models of at most 256 voxels an axis, y up as z up: in one grey, or with attributes in the albedo of
+    /// their surfaces, of at most 254 colours, and grey where they have none.
     Vox,
-    /// OpenEXR with a part a slice along z, `z0000` and on: x to the right, y up, channel `voxel`, `uint`.
+    /// OpenEXR with a part a slice along z, `z0000` and on: x to the right, y up, channel `voxel`, `uint`. With attributes
+    /// also albedo and opacity, as `R`, `G`, `B`, `A`, `normal.X` and on, `area`, `emission.R` and on, 32-bit floats.
     Exr,
     /// glTF binary: the faces between set and other voxels, in world space, equal neighbours merged.
     Glb,
@@ -49,6 +53,11 @@ impl VoxelFormat {
         }
     }
 
+    /// Whether it can hold attributes.
+    pub fn holds_attributes(self) -> bool {
+        matches!(self, Self::Vox | Self::Exr)
+    }
+
     /// The format that the name of a file asks for, in any case of letters.
     pub fn of(path: &Path) -> Option<Self> {
         let name = path.file_name()?.to_string_lossy().to_lowercase();
@@ -62,13 +71,29 @@ impl VoxelFormat {
 /// # Errors
 /// [`Error::Io`] where the file cannot be written; [`Error::Invalid`] where the format cannot hold so much.
 pub fn write_voxels(path: &Path, voxels: &Voxels, format: VoxelFormat) -> Result<()> {
+    write(path, voxels, None, format)
+}
+
+/// As [`write_voxels`], with what surfaces are like in them. For formats that [hold that](VoxelFormat::holds_attributes).
+///
+/// # Errors
+/// As [`write_voxels`]; [`Error::Invalid`] for other formats.
+pub fn write_voxel_attributes(path: &Path, attributes: &VoxelAttributes, format: VoxelFormat) -> Result<()> {
+    if !format.holds_attributes() {
+        let why = format!("a {} file holds no attributes; .vox and .exr do", format.end());
+        return Err(Error::invalid(format!("{}", path.display()), why));
+    }
+    write(path, attributes.voxels(), Some(attributes), format)
+}
+
+fn write(path: &Path, voxels: &Voxels, attributes: Option<&VoxelAttributes>, format: VoxelFormat) -> Result<()> {
     let [width, height, depth] = voxels.grid().size().map(|n| n as usize);
     match format {
         VoxelFormat::Npy => write_npy(path, &[depth, height, width], &voxels.bytes()),
         VoxelFormat::PackedNpy => write_npy(path, &[depth, height, width.div_ceil(8)], &packed(voxels)),
         VoxelFormat::Binvox => binvox::write(path, voxels),
-        VoxelFormat::Vox => magica::write(path, voxels),
-        VoxelFormat::Exr => write_exr(path, &parts(voxels), &ExrOptions { compression: Compression::Rle }),
+        VoxelFormat::Vox => magica::write(path, voxels, attributes),
+        VoxelFormat::Exr => write_exr(path, &parts(voxels, attributes), &ExrOptions { compression: Compression::Rle }),
         VoxelFormat::Glb => glb::write(path, voxels),
         VoxelFormat::Png => slices::write(path, voxels),
     }
@@ -76,27 +101,62 @@ pub fn write_voxels(path: &Path, voxels: &Voxels, format: VoxelFormat) -> Result
 
 /// Eight voxels of a row a byte.
 fn packed(voxels: &Voxels) -> Vec<u8> {
-    let [width, height, depth] = voxels.grid().size();
-    let rows = (0..depth).flat_map(|z| (0..height).map(move |y| [y, z]));
-    let starts = rows.flat_map(|[y, z]| (0..width).step_by(8).map(move |x| [x, y, z]));
-    let bits = |[x, y, z]: [u32; 3]| (0..8).fold(0, |byte, bit| byte | u8::from(voxels.get([x + bit, y, z])) << bit);
-    starts.map(bits).collect()
+    let mut bytes = Vec::new();
+    for row in voxels.grid().rows() {
+        for (x, voxel) in row.enumerate() {
+            if x % 8 == 0 {
+                bytes.push(0);
+            }
+            if let Some(byte) = bytes.last_mut() {
+                *byte |= u8::from(voxels.get(voxel)) << (x % 8);
+            }
+        }
+    }
+    bytes
 }
 
 /// A part a slice.
-fn parts(voxels: &Voxels) -> Capture {
+fn parts(voxels: &Voxels, attributes: Option<&VoxelAttributes>) -> Capture {
     let grid = voxels.grid();
     let [width, height, depth] = grid.size();
     let part = |z: u32| {
-        let rows = (0..height).rev().flat_map(|y| (0..width).map(move |x| [x, y, z]));
-        let samples = rows.map(|voxel| u32::from(voxels.get(voxel))).collect();
-        let channels = vec![Channel::new("voxel", Samples::U32(samples))];
+        let rows = || (0..height).rev().flat_map(|y| (0..width).map(move |x| [x, y, z]));
+        let samples = rows().map(|voxel| u32::from(voxels.get(voxel))).collect();
+        let mut channels = vec![Channel::new("voxel", Samples::U32(samples))];
+        if let Some(attributes) = attributes {
+            let value = |which: usize, voxel| attributes.get(voxel).map_or(0.0, |own| values(own)[which]);
+            let channel = |(which, name): (usize, &&str)| {
+                Channel::new(*name, Samples::F32(rows().map(|voxel| value(which, voxel)).collect()))
+            };
+            channels.extend(VALUES.iter().enumerate().map(channel));
+        }
         Part { name: format!("z{z:04}"), size: [width, height], channels, ..Part::default() }
     };
     let mut capture = Capture { parts: (0..depth).map(part).collect(), ..Capture::default() };
     capture.metadata.add("shadowgraph/voxelGridMin", Value::Vec3(grid.min()));
     capture.metadata.add("shadowgraph/voxelEdge", Value::F32(grid.edge()));
     capture
+}
+
+/// Channels of a voxel's attributes.
+const VALUES: [&str; 11] =
+    ["R", "G", "B", "A", "normal.X", "normal.Y", "normal.Z", "area", "emission.R", "emission.G", "emission.B"];
+
+fn values(own: &Attribute) -> [f32; VALUES.len()] {
+    let (albedo, normal, emission) = (own.albedo, own.normal, own.emission);
+    [
+        albedo.x,
+        albedo.y,
+        albedo.z,
+        own.opacity,
+        normal.x,
+        normal.y,
+        normal.z,
+        own.area,
+        emission.x,
+        emission.y,
+        emission.z,
+    ]
 }
 
 /// What is wrong with voxels for a format.

@@ -3,6 +3,7 @@
 
 pub mod cascaded;
 pub mod deep;
+pub mod marched;
 pub mod spot;
 
 use ash::vk;

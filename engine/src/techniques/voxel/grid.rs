@@ -42,6 +42,12 @@ impl Axis {
             Self::Z => [0, 1, 2],
         }
     }
+
+    /// Name of a pass or a resource: a frame may look along several axes.
+    pub(super) fn named(self, what: impl std::fmt::Display) -> String {
+        let axis = ["x", "y", "z"][self as usize];
+        format!("voxel.{axis}.{what}")
+    }
 }
 
 impl Grid {
@@ -98,13 +104,25 @@ impl Grid {
         self.min + (Vec3::from(voxel.map(|i| i as f32)) + 0.5) * self.edge
     }
 
+    /// All voxels in the order `[z][y][x]`: x runs fastest.
+    pub fn voxels(&self) -> impl Iterator<Item = [u32; 3]> + use<> {
+        self.rows().flatten()
+    }
+
+    /// The same, row by row along x.
+    pub fn rows(&self) -> impl Iterator<Item = impl Iterator<Item = [u32; 3]> + use<>> + use<> {
+        let [width, height, depth] = self.size;
+        let rows = (0..depth).flat_map(move |z| (0..height).map(move |y| [y, z]));
+        rows.map(move |[y, z]| (0..width).map(move |x| [x, y, z]))
+    }
+
     /// Columns across, and voxels in one, along an axis.
     pub fn columns(&self, axis: Axis) -> [u32; 3] {
         axis.order().map(|world| self.size[world])
     }
 
     /// Words of 32 voxels in all columns.
-    fn words(&self, axis: Axis) -> u64 {
+    pub(super) fn words(&self, axis: Axis) -> u64 {
         let [width, height, depth] = self.columns(axis).map(u64::from);
         width * height * depth.div_ceil(32)
     }
@@ -171,10 +189,9 @@ impl Voxels {
 
     /// Those that `is_set` says, with columns along z.
     pub fn from_fn(grid: &Grid, is_set: impl Fn([u32; 3]) -> bool) -> Self {
-        let [width, height, depth] = grid.size;
+        let [width, height, _] = grid.size;
         let mut words = vec![0; grid.words(Axis::Z) as usize];
-        let columns = (0..depth).flat_map(|k| (0..height).flat_map(move |j| (0..width).map(move |i| [i, j, k])));
-        for [i, j, k] in columns.filter(|&voxel| is_set(voxel)) {
+        for [i, j, k] in grid.voxels().filter(|&voxel| is_set(voxel)) {
             words[(k as usize / 32 * height as usize + j as usize) * width as usize + i as usize] |= 1 << (k % 32);
         }
         Self { grid: *grid, axis: Axis::Z, words }
@@ -192,13 +209,24 @@ impl Voxels {
 
     /// Whether a voxel is set; nothing outside the grid is.
     pub fn get(&self, voxel: [u32; 3]) -> bool {
+        self.rank(voxel).is_some()
+    }
+
+    /// The word that holds a set voxel, and how many of its lower bits are set.
+    pub(super) fn rank(&self, voxel: [u32; 3]) -> Option<(usize, u32)> {
         let [i, j, k] = self.axis.order().map(|world| voxel[world]);
         let [width, height, depth] = self.grid.columns(self.axis);
         if i >= width || j >= height || k >= depth {
-            return false;
+            return None;
         }
         let index = (k as usize / 32 * height as usize + j as usize) * width as usize + i as usize;
-        self.words[index] >> (k % 32) & 1 == 1
+        let (word, bit) = (self.words[index], 1 << (k % 32));
+        (word & bit != 0).then(|| (index, (word & (bit - 1)).count_ones()))
+    }
+
+    /// How many words there are.
+    pub(super) fn words(&self) -> usize {
+        self.words.len()
     }
 
     /// How many voxels are set.
@@ -208,9 +236,7 @@ impl Voxels {
 
     /// A byte a voxel, 1 where it is set, in the order `[z][y][x]`.
     pub fn bytes(&self) -> Vec<u8> {
-        let [nx, ny, nz] = self.grid.size;
-        let rows = (0..nz).flat_map(|z| (0..ny).map(move |y| [y, z]));
-        rows.flat_map(|[y, z]| (0..nx).map(move |x| [x, y, z])).map(|voxel| u8::from(self.get(voxel))).collect()
+        self.grid.voxels().map(|voxel| u8::from(self.get(voxel))).collect()
     }
 }
 

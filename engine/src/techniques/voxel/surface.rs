@@ -4,7 +4,7 @@ use super::{Axis, Grid, VoxelBits};
 use crate::Result;
 use crate::geometry::Aabb;
 use crate::graph::{ComputePass, Graph};
-use crate::scene::GpuScene;
+use crate::scene::{DrawClass, GpuScene};
 use crate::shader::Shader;
 use crate::shader::generated::blocks;
 use crate::shader::generated::voxel::conservative::{large_comp, small_comp};
@@ -19,24 +19,20 @@ pub(super) fn record<'f>(
     scene: &'f GpuScene,
     grid: &Grid,
     axis: Axis,
+    surfaces: Surfaces,
     [small, large]: [&'static Shader; 2],
 ) -> Result<VoxelBits> {
     let VoxelBits { bits, grid, axis } = VoxelBits::new(graph, "voxel.bits", grid, axis)?;
     let bits = graph.fill("voxel.clear", bits, 0);
 
     // 1. All triangles are numbered, instance by instance.
-    let mut starts = vec![0_u32];
-    for draw in scene.draws.draws() {
-        for _ in draw.instances.clone() {
-            starts.push(starts[starts.len() - 1] + draw.indices.len() as u32 / 3);
-        }
-    }
-    let (instance_count, triangle_count) = (starts.len() as u32 - 1, starts[starts.len() - 1]);
+    let starts = triangle_starts(scene, surfaces);
+    let touch = touch(scene, &grid, &starts);
+    let triangle_count = touch.triangle_count;
     if triangle_count == 0 {
         return Ok(VoxelBits { bits, grid, axis });
     }
     let starts = graph.data(&starts);
-    let touch = blocks::Touch { instance_count, triangle_count, reach: 0.5 + margin(&grid, &scene.bounds) };
 
     let bind = |pass: &mut ComputePass| {
         pass.uniform(small_comp::VOXEL_GRID, &grid.block(axis))
@@ -65,6 +61,35 @@ pub(super) fn record<'f>(
     let bits = pass.write(large_comp::BITS, bits);
     pass.dispatch_indirect(&groups, 0);
     Ok(VoxelBits { bits, grid, axis })
+}
+
+/// Which surfaces become voxels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Surfaces {
+    /// All.
+    #[default]
+    All,
+    /// All but those of blended materials.
+    Unblended,
+}
+
+/// By instance how many triangles come before; then the number of all. An instance that does not count has none.
+pub(super) fn triangle_starts(scene: &GpuScene, surfaces: Surfaces) -> Vec<u32> {
+    let mut starts = vec![0_u32];
+    for draw in scene.draws.draws() {
+        let counts = surfaces == Surfaces::All || draw.class != DrawClass::Blend;
+        let triangles = if counts { draw.indices.len() as u32 / 3 } else { 0 };
+        for _ in draw.instances.clone() {
+            starts.push(starts[starts.len() - 1] + triangles);
+        }
+    }
+    starts
+}
+
+/// The uniform block `Touch`.
+pub(super) fn touch(scene: &GpuScene, grid: &Grid, starts: &[u32]) -> blocks::Touch {
+    let (instance_count, triangle_count) = (starts.len() as u32 - 1, starts[starts.len() - 1]);
+    blocks::Touch { instance_count, triangle_count, reach: 0.5 + margin(grid, &scene.bounds) }
 }
 
 /// ε in voxels: what rounding of coordinates may take away, four units in the last place of the largest one.

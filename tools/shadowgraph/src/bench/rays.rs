@@ -5,9 +5,9 @@ use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::description::Access;
 use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::Scene;
-use shadowgraph::techniques::voxel::Grid;
 use shadowgraph::techniques::voxel::bitmask::Bitmask;
-use shadowgraph::techniques::voxel::ray_marching::{Pyramid, RayMarching, Segment};
+use shadowgraph::techniques::voxel::ray_marching::{RayMarching, Segment};
+use shadowgraph::techniques::voxel::{Grid, Occluders};
 
 use super::{Measurement, median};
 use crate::failure::Result;
@@ -30,8 +30,8 @@ pub fn run(gpu: &Gpu, scene: &Scene, runs: usize, tell: &mut impl FnMut(Measurem
             let mut graph = Graph::new("rays", gpu.caps());
             let segments = graph.import_buffer(&segments, Access::NONE, None);
             let voxels = Bitmask::default().record(&mut graph, &scene, &grid)?;
-            let pyramid = Pyramid::record(&mut graph, &voxels);
-            let words = RayMarching { levels }.record(&mut graph, &voxels, &pyramid, &segments);
+            let occluders = Occluders::record(&mut graph, voxels);
+            let words = RayMarching { levels }.record(&mut graph, &occluders, &segments);
             graph.capture("blocked", &words);
             let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
             let executed = executor.execute(&plan, graph)?;

@@ -9,16 +9,15 @@ use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::{GpuScene, Material, Mesh, Object, Primitive, Scene};
 use shadowgraph::techniques::voxel::bitmask::{Bitmask, Combine};
-use shadowgraph::techniques::voxel::conservative::Conservative;
+use shadowgraph::techniques::voxel::conservative::{Conservative, Pipeline};
 use shadowgraph::techniques::voxel::stencil::Stencil;
 use shadowgraph::techniques::voxel::winding::Winding;
-use shadowgraph::techniques::voxel::{Grid, VoxelBits};
+use shadowgraph::techniques::voxel::{Grid, VoxelBits, Voxels};
 
 use super::{Measurement, median, milliseconds, rays};
 use crate::cli::{BenchArguments, DeviceArguments};
 use crate::failure::Result;
 use crate::session;
-use crate::voxelize::find;
 
 /// Segments of the sphere and voxels along an axis.
 const CASES: [(u32, u32); 8] =
@@ -29,19 +28,20 @@ enum Method {
     Solid(Combine),
     Stencil,
     Winding,
-    Conservative,
+    Conservative(Pipeline),
 }
 
 /// Most slices times triangles that are drawn one slice after the other.
 const MOST_SLICED: usize = 20_000_000;
 
-const METHODS: [(&str, Method); 6] = [
+const METHODS: [(&str, Method); 7] = [
     ("bitmask", Method::Solid(Combine::Bit)),
     ("bitmask, masks", Method::Solid(Combine::Masks)),
     ("bitmask, logic", Method::Solid(Combine::LogicOp)),
     ("winding", Method::Winding),
     ("stencil", Method::Stencil),
-    ("conservative", Method::Conservative),
+    ("conservative", Method::Conservative(Pipeline::Compute)),
+    ("conservative, raster", Method::Conservative(Pipeline::Raster)),
 ];
 
 impl Method {
@@ -50,7 +50,9 @@ impl Method {
             Self::Solid(combine) => Bitmask { combine, ..Bitmask::default() }.record(graph, scene, grid),
             Self::Stencil => Stencil::default().record(graph, scene, grid),
             Self::Winding => Winding::default().record(graph, scene, grid),
-            Self::Conservative => Conservative::default().record(graph, scene, grid),
+            Self::Conservative(pipeline) => {
+                Conservative { pipeline, ..Conservative::default() }.record(graph, scene, grid)
+            }
         }
     }
 }
@@ -98,6 +100,21 @@ fn measure(gpu: &Gpu, scene: &Scene, method: Method, resolution: u32, runs: usiz
     let (_, set) = once()?;
     let times = (0..runs).map(|_| once().map(|(time, _)| time)).collect::<Result<_>>()?;
     Ok((median(times), set))
+}
+
+/// The voxels that a technique records, and the bytes of transient memory it takes.
+fn find<'f>(
+    executor: &mut Executor,
+    gpu: &'f Gpu,
+    grid: &Grid,
+    record: impl FnOnce(&mut Graph<'f>) -> shadowgraph::Result<VoxelBits>,
+) -> Result<(Voxels, u64)> {
+    let mut graph = Graph::new("voxelize", gpu.caps());
+    let VoxelBits { bits, axis, .. } = record(&mut graph)?;
+    graph.capture("voxels", &bits);
+    let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
+    let executed = executor.execute(&plan, graph)?;
+    Ok((Voxels::read(executed.capture("voxels")?, grid, axis)?, plan.statistics.heap_bytes))
 }
 
 /// A unit sphere of about `segments`² triangles.

@@ -103,6 +103,10 @@ pub struct FrameArguments {
     #[arg(long, value_name = "LUMINANCE", value_parser = arguments::not_negative, allow_hyphen_values = true,
         help_heading = "Light")]
     pub environment: Option<f32>,
+    /// Visibility through so many voxels along each side of the scene: point lights cast shadows, and there is a layer
+    /// ambient_occlusion. What is thinner than a voxel is as thick as one
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(8..=1024), help_heading = "Light")]
+    pub voxels: Option<u32>,
     /// How blended surfaces are composited. Sorted by object is right where objects do not interlock; abuffer, depth-peeling
     /// and dual-depth-peeling are exact in every pixel; the others are approximations whatever the order
     #[arg(long, value_enum, value_name = "KIND", default_value_t = TransparencyKind::Sorted)]
@@ -229,8 +233,9 @@ pub struct DebugArguments {
 Layers: color (R,G,B,A), Z (distance along the view axis, m), N (normal) and P (position) in world space, \
 albedo, roughness, metallic, occlusion, emissive, direct (light that came straight from lamps), id.object, \
 id.primitive, id.material (from 1; names in the header), shadow.LIGHT, transmittance.LIGHT (what comes through glass; \
-with --deep-shadows), cascade.index, abuffer.count and \
-abuffer.front.Z (layers, and how far the nearest is; with --transparency abuffer), and shadow maps as parts map.LIGHT.
+with --deep-shadows), cascade.index, abuffer.count and abuffer.front.Z (layers, and how far the nearest is; with \
+--transparency abuffer), ambient_occlusion (the open share of the space around; with --voxels), and shadow maps as parts \
+map.LIGHT.
 
 Examples:
   shadowgraph capture scene.glb -o out.exr

@@ -43,6 +43,13 @@ pub struct VoxelizeArguments {
     /// what lies behind an odd number of surfaces
     #[arg(long, value_enum)]
     pub rule: Option<RuleName>,
+    /// Look along all three axes and let them vote on what is inside (bitmask, stencil, winding): for surfaces with holes
+    #[arg(long, conflicts_with = "axis")]
+    pub vote: bool,
+    /// Write what surfaces are like in each voxel too: albedo as the colours of a .vox, and albedo, opacity, normal, area and
+    /// emission as channels of an .exr
+    #[arg(long)]
+    pub attributes: bool,
     /// The file to write; its name says the format: .npy or .packed.npy (NumPy), .binvox, .vox (MagicaVoxel), .exr (a part
     /// a slice), .glb (a mesh to look at), .png (a picture of slices). What it means is written beside it, as .json
     #[arg(short, long, value_name = "FILE")]

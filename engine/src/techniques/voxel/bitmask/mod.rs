@@ -72,7 +72,7 @@ impl Bitmask {
     /// # Errors
     /// [`crate::Error::Invalid`] where the device cannot bind so many bits at once.
     pub fn record<'f>(&self, graph: &mut Graph<'f>, scene: &'f GpuScene, grid: &Grid) -> Result<VoxelBits> {
-        let voxels = VoxelBits::new(graph, "voxel.bits", grid, self.axis)?;
+        let voxels = VoxelBits::new(graph, &self.axis.named("bits"), grid, self.axis)?;
         let targets = grid.columns(self.axis)[2].div_ceil(IN_TARGET).next_power_of_two();
         let caps = graph.caps();
         let can = caps.has(Feature::LogicOp) && targets <= caps.limits.max_color_attachments;
@@ -92,14 +92,14 @@ impl Bitmask {
     fn flip_targets<'f>(&self, graph: &mut Graph<'f>, scene: &'f GpuScene, grid: &Grid, targets: u32) -> ImageHandle {
         let [width, height, _] = grid.columns(self.axis);
         let shape = ImageShape::new_2d(vk::Format::R32G32B32A32_UINT, [width, height]).layers(targets);
-        let masks = graph.image("voxel.masks", shape);
+        let masks = graph.image(self.axis.named("masks"), shape);
         let layers = graph.split_layers(masks);
         let (shader, slots) = FLIP_TARGETS[targets.ilog2() as usize];
         let program = Program {
             logic_op: Some(vk::LogicOp::XOR),
             ..columns::program(graph.caps(), &columns_vert::SHADER, shader)
         };
-        let mut pass = graph.raster("voxel.bitmask", vec![program]);
+        let mut pass = graph.raster(self.axis.named("bitmask"), vec![program]);
         columns::bind(&mut pass, scene, grid, self.axis);
         let attach = |(&slot, layer)| pass.color_uint(slot, layer, Load::Clear([0; 4]));
         let written = slots.iter().zip(layers).map(attach).collect();
@@ -119,9 +119,9 @@ fn draw<'f>(pass: RasterPass<'_, 'f>, scene: &'f GpuScene) {
 fn flip<'f>(graph: &mut Graph<'f>, scene: &'f GpuScene, voxels: VoxelBits, fragment: &'static Shader) -> VoxelBits {
     let VoxelBits { bits, grid, axis } = voxels;
     let [width, height, _] = grid.columns(axis);
-    let bits = graph.fill("voxel.clear", bits, 0);
+    let bits = graph.fill(axis.named("clear"), bits, 0);
     let program = columns::program(graph.caps(), &columns_vert::SHADER, fragment);
-    let mut pass = graph.raster("voxel.bitmask", vec![program]);
+    let mut pass = graph.raster(axis.named("bitmask"), vec![program]);
     pass.area([width, height]);
     columns::bind(&mut pass, scene, &grid, axis);
     let bits = pass.write(flip_bit_frag::BITS, bits);
@@ -131,7 +131,7 @@ fn flip<'f>(graph: &mut Graph<'f>, scene: &'f GpuScene, voxels: VoxelBits, fragm
 
 fn prefix(graph: &mut Graph, VoxelBits { bits, grid, axis }: VoxelBits) -> VoxelBits {
     let [width, height, _] = grid.columns(axis);
-    let mut pass = graph.compute("voxel.bitmask.prefix", &prefix_comp::SHADER);
+    let mut pass = graph.compute(axis.named("bitmask.prefix"), &prefix_comp::SHADER);
     pass.uniform(prefix_comp::VOXEL_GRID, &grid.block(axis));
     let bits = pass.write(prefix_comp::BITS, bits);
     pass.dispatch([width * height, 1, 1]);
@@ -140,7 +140,7 @@ fn prefix(graph: &mut Graph, VoxelBits { bits, grid, axis }: VoxelBits) -> Voxel
 
 fn gather(graph: &mut Graph, VoxelBits { bits, grid, axis }: VoxelBits, masks: &ImageHandle) -> VoxelBits {
     let [width, height, _] = grid.columns(axis);
-    let mut pass = graph.compute("voxel.bitmask.gather", &gather_comp::SHADER);
+    let mut pass = graph.compute(axis.named("bitmask.gather"), &gather_comp::SHADER);
     pass.uniform(gather_comp::VOXEL_GRID, &grid.block(axis)).read(gather_comp::MASKS, masks);
     let bits = pass.write(gather_comp::BITS, bits);
     pass.dispatch([width, height, 1]);

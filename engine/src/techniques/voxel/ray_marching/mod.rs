@@ -3,14 +3,10 @@
 //! Source: Amanatides and Woo 1987, "A Fast Voxel Traversal Algorithm for Ray Tracing", for the walk; Crassin, Neyret,
 //! Lefebvre and Eisemann 2009, "GigaVoxels", for the skipping of empty nodes of a hierarchy.
 
-mod pyramid;
-
-pub use pyramid::{Level, Pyramid};
-
 use ash::vk;
 use glam::Vec3;
 
-use super::VoxelBits;
+use super::Occluders;
 use crate::Result;
 use crate::gpu::{Buffer, BufferInfo, Gpu, Memory};
 use crate::graph::{BufferHandle, Graph};
@@ -62,27 +58,12 @@ const ROW: u32 = 1 << 20;
 
 impl RayMarching {
     /// A word for each [`Segment`] of a buffer: 1 where it is blocked, 0 where one end sees the other.
-    pub fn record(
-        &self,
-        graph: &mut Graph,
-        voxels: &VoxelBits,
-        pyramid: &Pyramid,
-        segments: &BufferHandle,
-    ) -> BufferHandle {
+    pub fn record(&self, graph: &mut Graph, occluders: &Occluders, segments: &BufferHandle) -> BufferHandle {
         let count = (segments.size() / size_of::<Segment>() as u64) as u32;
         let blocked = graph.buffer("voxel.blocked", 4 * u64::from(count.max(1)));
-        let mut level_begins = [0; 11];
-        for (begin, level) in level_begins.iter_mut().zip(pyramid.levels()) {
-            *begin = level.begin;
-        }
-        let coarsest = self.levels.min(pyramid.levels().len() as u32 - 1);
         let mut pass = graph.compute("voxel.ray_marching", &march_comp::SHADER);
-        pass.uniform(march_comp::VOXEL_GRID, &voxels.grid.block(voxels.axis))
-            .uniform(march_comp::PYRAMID_LEVELS, &blocks::PyramidLevels { level_begins })
-            .read(march_comp::BITS, &voxels.bits)
-            .read(march_comp::PYRAMID, &pyramid.words)
-            .read(march_comp::SEGMENTS, segments)
-            .push(&blocks::MarchPush { count, row: ROW, coarsest });
+        occluders.bind(&mut pass, self.levels);
+        pass.read(march_comp::SEGMENTS, segments).push(&blocks::MarchPush { count, row: ROW });
         let blocked = pass.write(march_comp::BLOCKED, blocked);
         pass.dispatch([count.min(ROW), count.div_ceil(ROW), 1]);
         blocked

@@ -3,7 +3,7 @@
 //! Source: Schwarz and Seidel 2010, "Fast Parallel Surface and Solid Voxelization on GPUs", section 4: a voxel stands for
 //! the three segments that join the centres of its opposite faces.
 
-use super::{Axis, Grid, VoxelBits, surface};
+use super::{Axis, Grid, Surfaces, VoxelBits, surface};
 use crate::Result;
 use crate::graph::Graph;
 use crate::scene::GpuScene;
@@ -14,6 +14,8 @@ use crate::shader::generated::voxel::six_separating::{large_comp, small_comp};
 pub struct SixSeparating {
     /// The axis that columns of bits run along.
     pub axis: Axis,
+    /// Which surfaces count.
+    pub surfaces: Surfaces,
 }
 
 impl SixSeparating {
@@ -24,6 +26,6 @@ impl SixSeparating {
     /// [`crate::Error::Invalid`] where the device cannot bind so many bits at once.
     pub fn record<'f>(&self, graph: &mut Graph<'f>, scene: &'f GpuScene, grid: &Grid) -> Result<VoxelBits> {
         let shaders = [&small_comp::SHADER, &large_comp::SHADER];
-        surface::record(graph, scene, grid, self.axis, shaders)
+        surface::record(graph, scene, grid, self.axis, self.surfaces, shaders)
     }
 }

@@ -48,21 +48,21 @@ impl Stencil {
     /// # Errors
     /// [`crate::Error::Invalid`] where the device cannot bind so many bits at once.
     pub fn record<'f>(&self, graph: &mut Graph<'f>, scene: &'f GpuScene, grid: &Grid) -> Result<VoxelBits> {
-        let VoxelBits { mut bits, grid, axis } = VoxelBits::new(graph, "voxel.bits", grid, self.axis)?;
+        let VoxelBits { mut bits, grid, axis } = VoxelBits::new(graph, &self.axis.named("bits"), grid, self.axis)?;
         let [width, height, depth] = grid.columns(axis);
 
         // Slabs of whole words share one stencil image.
         let most = graph.caps().limits.max_framebuffer_layers.min(SLAB_BYTES / (width * height));
         let slab = (most / IN_WORD * IN_WORD).clamp(IN_WORD, depth.next_multiple_of(IN_WORD)).min(depth);
         let shape = ImageShape::new_2d(vk::Format::S8_UINT, [width, height]).layers(slab);
-        let mut layers = graph.image("voxel.slices", shape);
+        let mut layers = graph.image(axis.named("slices"), shape);
 
         for first in (0..depth).step_by(slab as usize) {
             // 1. Count the surfaces before each slice.
             let slices = slab.min(depth - first);
             layers = self.count(graph, scene, &grid, layers, [first, first + slices]);
             // 2. A bit for each count that is not 0.
-            let mut pass = graph.compute(format!("voxel.stencil.gather.{first}"), &gather_comp::SHADER);
+            let mut pass = graph.compute(axis.named(format_args!("stencil.gather.{first}")), &gather_comp::SHADER);
             pass.uniform(gather_comp::VOXEL_GRID, &grid.block(axis)).read(gather_comp::STENCIL, &layers);
             pass.push(&[first / IN_WORD, slices]);
             bits = pass.write(gather_comp::BITS, bits);
@@ -85,7 +85,7 @@ impl Stencil {
         let layered = self.slices == Slices::Layered && can;
         let program = self.program(caps, layered);
         if layered {
-            let mut pass = graph.raster(format!("voxel.stencil.{first}"), vec![program]);
+            let mut pass = graph.raster(self.axis.named(format_args!("stencil.{first}")), vec![program]);
             columns::bind(&mut pass, scene, grid, self.axis);
             let layers = pass.stencil(layers, Load::Clear(0));
             draw(pass, scene, (first..end).map(|slice| [slice, slice - first]).collect());
@@ -98,7 +98,7 @@ impl Stencil {
             if slice >= end {
                 return part;
             }
-            let mut pass = graph.raster(format!("voxel.stencil.{slice}"), vec![program.clone()]);
+            let mut pass = graph.raster(self.axis.named(format_args!("stencil.{slice}")), vec![program.clone()]);
             columns::bind(&mut pass, scene, grid, self.axis);
             let part = pass.stencil(part, Load::Clear(0));
             draw(pass, scene, vec![[slice, 0]]);

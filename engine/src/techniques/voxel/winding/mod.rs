@@ -29,20 +29,20 @@ impl Winding {
     /// # Errors
     /// [`crate::Error::Invalid`] where the device cannot bind so many bits at once.
     pub fn record<'f>(&self, graph: &mut Graph<'f>, scene: &'f GpuScene, grid: &Grid) -> Result<VoxelBits> {
-        let VoxelBits { mut bits, grid, axis } = VoxelBits::new(graph, "voxel.bits", grid, self.axis)?;
+        let VoxelBits { mut bits, grid, axis } = VoxelBits::new(graph, &self.axis.named("bits"), grid, self.axis)?;
         let [width, height, depth] = grid.columns(axis);
         let row = 4 * width * depth.next_multiple_of(32);
         let most = BAND_BYTES.min(graph.caps().limits.max_storage_buffer_range);
         let band = (most / row).clamp(1, height);
-        let counts = graph.buffer("voxel.counts", u64::from(row) * u64::from(band));
-        let mut counts = graph.fill("voxel.winding.clear", counts, 0);
-        bits = graph.fill("voxel.clear", bits, 0);
+        let counts = graph.buffer(axis.named("counts"), u64::from(row) * u64::from(band));
+        let mut counts = graph.fill(axis.named("winding.clear"), counts, 0);
+        bits = graph.fill(axis.named("clear"), bits, 0);
 
         for first in (0..height).step_by(band as usize) {
             // 1. Count each crossing, and mark where.
             let rows = band.min(height - first);
             let program = columns::program(graph.caps(), &columns_vert::SHADER, &count_frag::SHADER);
-            let mut pass = graph.raster(format!("voxel.winding.{first}"), vec![program]);
+            let mut pass = graph.raster(axis.named(format_args!("winding.{first}")), vec![program]);
             pass.area([width, height]);
             columns::bind(&mut pass, scene, &grid, axis);
             counts = pass.write(count_frag::COUNTS, counts);
@@ -54,7 +54,7 @@ impl Winding {
                 Ok(())
             });
             // 2. Sum the counts of each column; they are 0 again after.
-            let mut pass = graph.compute(format!("voxel.winding.scan.{first}"), &scan_comp::SHADER);
+            let mut pass = graph.compute(axis.named(format_args!("winding.scan.{first}")), &scan_comp::SHADER);
             pass.uniform(scan_comp::VOXEL_GRID, &grid.block(axis));
             pass.push(&[first, rows]).specialize(scan_comp::EVEN_ODD, self.rule == FillRule::EvenOdd);
             counts = pass.write(scan_comp::COUNTS, counts);

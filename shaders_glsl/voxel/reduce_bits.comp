@@ -1,3 +1,4 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
-#include "voxel/ray_marching/reduce.glsl"
+#define FROM_BITS
+#include "voxel/reduce.glsl"

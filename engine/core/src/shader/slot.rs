@@ -1,7 +1,7 @@
 //! Typed names of what a shader binds: using one for what it is not does not compile.
 //!
 //! ```
-//! use shadowgraph::shader::{Buffer, ImageSlot, Read, ReadSlot, ReadWrite, SampledSlot, Slot, StorageSlot, UniformSlot, Write, WriteSlot};
+//! use shadowgraph_core::shader::{Buffer, ImageSlot, Read, ReadSlot, ReadWrite, SampledSlot, Slot, StorageSlot, UniformSlot, Write, WriteSlot};
 //!
 //! fn read(_: impl ReadSlot) {}
 //! fn write(_: impl WriteSlot) {}
@@ -20,7 +20,7 @@
 //! A slot that the shader writes through is not read by a pass, nor the other way round; contents count:
 //!
 //! ```compile_fail,E0277
-//! # use shadowgraph::shader::{ImageSlot, ReadSlot, ReadWrite};
+//! # use shadowgraph_core::shader::{ImageSlot, ReadSlot, ReadWrite};
 //! # fn read(_: impl ReadSlot) {}
 //! fn misuse(slot: ImageSlot<ReadWrite>) {
 //!     read(slot);
@@ -28,7 +28,7 @@
 //! ```
 //!
 //! ```compile_fail,E0277
-//! # use shadowgraph::shader::{SampledSlot, WriteSlot};
+//! # use shadowgraph_core::shader::{SampledSlot, WriteSlot};
 //! # fn write(_: impl WriteSlot) {}
 //! fn misuse(slot: SampledSlot) {
 //!     write(slot);
@@ -36,7 +36,7 @@
 //! ```
 //!
 //! ```compile_fail,E0271
-//! # use shadowgraph::shader::{Buffer, Read, Slot, StorageSlot};
+//! # use shadowgraph_core::shader::{Buffer, Read, Slot, StorageSlot};
 //! # fn buffer_of_words(_: impl Slot<Resource = Buffer<u32>>) {}
 //! fn misuse(slot: StorageSlot<f32, Read>) {
 //!     buffer_of_words(slot);

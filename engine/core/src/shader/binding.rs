@@ -130,8 +130,8 @@ pub struct Shader {
     pub file: &'static str,
     /// Its stage.
     pub stage: Stage,
-    /// The code; the entry point is `main`.
-    pub spirv: &'static [u32],
+    /// The code, as a file has it (`words` gives it as Vulkan takes it); the entry point is `main`.
+    pub spirv: &'static [u8],
     /// Its descriptors, by set and binding.
     pub bindings: &'static [Binding],
     /// Its push constants, where it has some.
@@ -144,4 +144,11 @@ pub struct Shader {
     pub workgroup: [u32; 3],
     /// SPIR-V capabilities that Vulkan 1.3 does not promise of every device, by their SPIR-V names, sorted.
     pub capabilities: &'static [&'static str],
+}
+
+impl Shader {
+    /// The code in words.
+    pub fn words(&self) -> Vec<u32> {
+        self.spirv.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect()
+    }
 }

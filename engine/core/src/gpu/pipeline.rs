@@ -246,7 +246,8 @@ impl<'a> Modules<'a> {
     fn new(device: &'a Device, name: &str, shaders: &[&'static Shader], layout: Layout) -> Result<Self> {
         let mut made = Modules { device, modules: Vec::new(), layout, finished: false };
         for shader in shaders {
-            let info = vk::ShaderModuleCreateInfo::default().code(shader.spirv);
+            let code = shader.words();
+            let info = vk::ShaderModuleCreateInfo::default().code(&code);
             // SAFETY: the build script's compiler made the code.
             let module = unsafe { device.raw.create_shader_module(&info, None) };
             let object = format!("{} of pipeline {name:?}", shader.file);

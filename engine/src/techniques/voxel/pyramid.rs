@@ -1,9 +1,10 @@
 //! Coarser and coarser bits of a grid, for walks that skip what is empty.
 
-use crate::graph::{BufferHandle, Graph};
+use super::VoxelBits;
+use crate::graph::{BufferHandle, ComputePass, Graph};
 use crate::shader::generated::blocks;
-use crate::shader::generated::voxel::ray_marching::{reduce_bits_comp, reduce_comp};
-use crate::techniques::voxel::VoxelBits;
+use crate::shader::generated::voxel::ray_marching::march_comp;
+use crate::shader::generated::voxel::{reduce_bits_comp, reduce_comp};
 
 /// Levels 1 and above of a pyramid of bits on the device; level 0 are the voxels themselves. A voxel of a level is set
 /// where any of the 2×2×2 below it is.
@@ -62,5 +63,35 @@ impl Pyramid {
     /// Levels, from the voxels themselves to a single one.
     pub fn levels(&self) -> &[Level] {
         &self.levels
+    }
+}
+
+/// What blocks the way from point to point: the bits of a grid, and a pyramid to skip what is empty.
+pub struct Occluders {
+    /// The bits, by any technique of this family.
+    pub voxels: VoxelBits,
+    /// Over them.
+    pub pyramid: Pyramid,
+}
+
+impl Occluders {
+    /// Makes the pyramid.
+    pub fn record(graph: &mut Graph, voxels: VoxelBits) -> Self {
+        let pyramid = Pyramid::record(graph, &voxels);
+        Self { voxels, pyramid }
+    }
+
+    /// Gives a pass the bindings of `voxel/visibility.glsl`, to skip by at most so many levels.
+    pub(in crate::techniques) fn bind(&self, pass: &mut ComputePass, levels: u32) {
+        let Self { voxels, pyramid } = self;
+        let mut level_begins = [0; 11];
+        for (begin, level) in level_begins.iter_mut().zip(&pyramid.levels) {
+            *begin = level.begin;
+        }
+        let coarsest = levels.min(pyramid.levels.len() as u32 - 1);
+        pass.uniform(march_comp::VOXEL_GRID, &voxels.grid.block(voxels.axis))
+            .uniform(march_comp::PYRAMID_LEVELS, &blocks::PyramidLevels { level_begins, coarsest })
+            .read(march_comp::BITS, &voxels.bits)
+            .read(march_comp::PYRAMID, &pyramid.words);
     }
 }

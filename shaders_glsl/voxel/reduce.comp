@@ -1,4 +1,3 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
-#define FROM_BITS
-#include "voxel/ray_marching/reduce.glsl"
+#include "voxel/reduce.glsl"

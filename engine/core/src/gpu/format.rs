@@ -118,6 +118,6 @@ impl FormatInfo {
 }
 
 /// IEC 61966-2-1: light from its encoding, both 0 to 1.
-pub(crate) fn linear_from_srgb(encoded: f64) -> f64 {
+pub fn linear_from_srgb(encoded: f64) -> f64 {
     if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }

@@ -1,4 +1,4 @@
-//! Shaders as the build script makes them: SPIR-V, reflected bindings, and typed slots.
+//! Shaders as the build script makes them: SPIR-V, reflected bindings, and typed slots; and programs made of them.
 //!
 //! [`generated`] has one module a folder of `shaders_glsl/` and one a shader file in it, named after the file
 //! with the dot turned into an underscore (`depth.vert` is `depth_vert`). Such a module has
@@ -13,31 +13,11 @@
 //! by `to_array` and `to_cols_array_2d`. A device address is a `u64`. A block of an include is one type for all.
 //! [`generated::ALL`] lists every shader.
 
-mod binding;
-mod program;
-mod slot;
-
-pub use binding::{Binding, BindingKind, ImageType, Input, Output, OutputScalar, Push, Shader, ShaderAccess, Stage};
-pub use program::{Pipelines, Program, Targets, Wanted};
-pub use slot::{
-    Access, Buffer, ColorSlot, ConstantSlot, Image, ImageSlot, Read, ReadSlot, ReadWrite, SampledSlot, SamplerSlot,
-    Slot, StorageSlot, UniformSlot, WithTail, Write, WriteSlot,
-};
+pub use shadowgraph_core::shader::*;
 
 /// Modules generated from `shaders_glsl/`.
 #[allow(missing_docs, clippy::all)]
 #[rustfmt::skip]
 pub mod generated {
     include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
-}
-
-/// SPIR-V, little-endian in a file, as aligned words.
-const fn words<const N: usize>(bytes: &[u8]) -> [u32; N] {
-    let mut words = [0; N];
-    let mut i = 0;
-    while i < N {
-        words[i] = u32::from_le_bytes([bytes[4 * i], bytes[4 * i + 1], bytes[4 * i + 2], bytes[4 * i + 3]]);
-        i += 1;
-    }
-    words
 }
