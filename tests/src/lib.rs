@@ -12,6 +12,7 @@ pub mod flip;
 pub mod harness;
 pub mod hazard;
 pub mod judge;
+pub mod kitchen;
 pub mod marched;
 pub mod packing;
 pub mod panes;

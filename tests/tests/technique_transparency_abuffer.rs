@@ -1,7 +1,7 @@
 //! The A-buffer against a twin that rasterises by Vulkan's rules and composites in double precision.
 #![allow(missing_docs, clippy::unwrap_used)]
 
-use glam::{DVec4, Mat4, Vec3};
+use glam::{Mat4, Vec3};
 use shadowgraph::capture::auto_exposure;
 use shadowgraph::frame::Transparency;
 use shadowgraph::gpu::Feature;
@@ -13,8 +13,7 @@ use shadowgraph_tests::exr_file::Part;
 use shadowgraph_tests::figures::{self, Check, Figure, Picture};
 use shadowgraph_tests::panes::{capture, compare, glass, panes};
 use shadowgraph_tests::render::{Subject, only};
-use shadowgraph_tests::soup::{Found, Kind, Kitchen, Random, Soup, background};
-use shadowgraph_tests::twin::layers::{Fragment, composite};
+use shadowgraph_tests::soup::{Found, Kind, Kitchen, Random, Soup};
 
 const LISTS: ABuffer = ABuffer {
     build: Build::Lists(Sizing::Counted),
@@ -157,12 +156,16 @@ fn layers(subject: &Subject, transparency: Transparency) -> Part {
 }
 
 fn publish(rows: &[Figure]) {
-    let shown = crossing().changed(|s| s.size = [480, 270]);
-    let colors = layers(&shown, Transparency::ABuffer).vectors("", ["R", "G", "B"]);
-    let pixels: Vec<[f32; 3]> = colors.iter().map(|c| c.as_vec3().to_array()).collect();
-    let rgba: Vec<_> = pixels.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
-    let caption = "Two of four panes go through each other, before a wall".into();
-    let picture = Picture { size: shown.size, exposure: auto_exposure(&rgba), pixels, caption };
+    let picture = |subject: Subject, caption: &str| {
+        let shown = subject.changed(|s| s.size = [480, 270]);
+        let colors = layers(&shown, Transparency::ABuffer).vectors("", ["R", "G", "B"]);
+        let pixels: Vec<[f32; 3]> = colors.iter().map(|c| c.as_vec3().to_array()).collect();
+        let rgba: Vec<_> = pixels.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
+        Picture { size: shown.size, exposure: auto_exposure(&rgba), pixels, caption: caption.into() }
+    };
+    let through = picture(glass(), "Four panes of glass multiply what lies behind them, channel by channel");
+    figures::publish_picture("techniques/transparency", "abuffer_glass", &through);
+    let picture = picture(crossing(), "Two of four panes go through each other, before a wall");
     figures::publish(shared(), "transparency", "abuffer", rows, Some(&picture));
 }
 
@@ -274,75 +277,6 @@ fn transparency_abuffer_without_memory_says_how_much_it_needs() {
     let said = Kitchen::new(shared(), &soup).run(ARRAYS, false).unwrap_err().to_string();
     assert!(said.contains("fragments need 2"), "{said}");
     silent(shared());
-}
-
-/// Bytes of compact nodes, and of what long lists are sorted in.
-fn bytes(nodes: u32, longest: u32) -> u64 {
-    u64::from(nodes) * if longest > 16 { 48 } else { 16 }
-}
-
-/// Band by band of the picture's rows it is the same picture, in as little memory as is allowed.
-#[test]
-fn portable_transparency_abuffer_in_bands_is_the_same() {
-    let bits = shared().caps().limits.sub_pixel_bits;
-    for soup in
-        [Soup::random(3, [32, 64], 40, 12), Soup::random(4, [16, 32], 10, 64), Soup::random(19, [64, 128], 9, 0)]
-    {
-        let mut kitchen = Kitchen::new(shared(), &soup.on_grid(bits));
-        let whole = kitchen.run(ARRAYS, false).unwrap();
-        let needed = bytes(whole.nodes, whole.longest);
-        for memory in [needed, needed - 1, needed / 2, needed / 5, needed / 11] {
-            let banded = kitchen.run(ABuffer { memory, bands: 24, ..ARRAYS }, false).unwrap();
-            assert!(banded == whole, "{memory} of {needed} bytes");
-        }
-        // Too few bands, or a budget that does not hold a row: what the error says is enough, a byte less is not.
-        for (memory, bands) in [(needed / 5, 3), (100, 24)] {
-            let said = kitchen.run(ABuffer { memory, bands, ..ARRAYS }, false).unwrap_err().to_string();
-            let advice = said.strip_suffix(" would do").and_then(|said| said.rsplit(' ').next()).unwrap();
-            let memory = advice.parse().unwrap();
-            assert!(kitchen.run(ABuffer { memory, bands, ..ARRAYS }, false).unwrap() == whole, "{said}");
-            assert!(kitchen.run(ABuffer { memory: memory - 1, bands, ..ARRAYS }, false).is_err(), "{said}");
-        }
-    }
-    silent(shared());
-}
-
-/// Every pixel of layers over the whole picture, exactly, within a budget.
-fn fits(soup: &Soup, memory: u64) -> Figure {
-    let mut kitchen = Kitchen::new(shared(), soup);
-    let format = NodeFormat::Float;
-    let found = kitchen.run(ABuffer { format, memory, bands: 64, ..ARRAYS }, false).unwrap();
-    let layers = soup.triangles.len() as u32 / 2;
-    let behind = Soup { size: [2, 1], ..soup.clone() };
-    let here = |fragments: &[Fragment]| composite(fragments, background());
-    // Every pixel of a half has the same layers.
-    let expected = behind.fragments().iter().map(|fragments| here(fragments)).collect::<Vec<_>>();
-    let mut comparison = Comparison::new(format!("{} in {} MiB", soup.name, memory >> 20), soup.size, 1e-5);
-    for (i, color) in found.color.iter().enumerate() {
-        assert_eq!(found.count[i], layers as f32);
-        let right = (i as u32 % soup.size[0]) >= soup.size[0] / 2;
-        comparison.error(i, (DVec4::from(color.map(f64::from)) - expected[usize::from(right)]).abs().max_element());
-    }
-    // Counts, cursors and lists of pixels come on top: 64 bytes a pixel.
-    let pixels = u64::from(soup.size[0]) * u64::from(soup.size[1]);
-    let spare = 64 * pixels + (8 << 20);
-    assert!(kitchen.memory <= memory + spare, "{} bytes of {memory} + {spare}", kitchen.memory);
-    assert_eq!(found.report, [0, 0]);
-    silent(shared());
-    Check::new(comparison, 1.0, 0.0).demand()
-}
-
-/// 10,000 layers over the whole picture: 1.3 GB of nodes alone, in 80 MiB.
-#[test]
-fn transparency_abuffer_of_10_000_full_screen_layers_fits_into_a_budget() {
-    fits(&Soup::full_screen(20, [64, 64], 10_000, 1e-3), 80 << 20);
-}
-
-/// 64 layers at 1920×1080: 4.2 GB of nodes, and as many again in either image that they are sorted in.
-#[test]
-#[ignore = "takes a minute"]
-fn transparency_abuffer_of_64_layers_at_1920_by_1080_fits_into_a_budget() {
-    fits(&Soup::full_screen(21, [1920, 1080], 64, 0.05), 512 << 20);
 }
 
 /// Colours beyond what a format holds are counted, and a larger unit holds them.

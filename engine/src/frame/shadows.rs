@@ -104,10 +104,13 @@ impl FrameSettings {
         let blended = scene.draws.draws().iter().filter(|draw| draw.class == DrawClass::Blend);
         let Some(casters) = blended.map(|draw| draw.bounds).reduce(Aabb::union) else { return };
         let mut views: Vec<View> = Vec::new();
+        // The maps stand side by side in one image.
+        let in_a_row = graph.caps().limits.max_image_dimension_2d / technique.side();
+        let most = deep::MAX_LIGHTS.min(in_a_row as usize);
         for (index, light) in scene.lights.iter().enumerate() {
             let Some(shadow) = &mut shadows.of_lights[index] else { continue };
             let Some(view) = technique.view(light, &casters, 2.0 * scene.bounds.radius()) else { continue };
-            if views.len() == deep::MAX_LIGHTS {
+            if views.len() == most {
                 shadows.warnings.push(format!("light `{}` shines through blended surfaces undimmed", light.name));
                 continue;
             }
