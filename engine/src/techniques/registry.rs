@@ -84,6 +84,7 @@ pub static TECHNIQUES: &[Technique] = &[
         name: "ambient_occlusion",
         summary: "how open the space around a surface is, by rays through voxels",
     },
+    Technique { family: "voxel", name: "atlas", summary: "voxels that the texels of a surface's atlas lie in" },
     Technique {
         family: "voxel",
         name: "attributes",

@@ -3,6 +3,7 @@
 //! None of them looks at a shader. Where a definition leaves something open, the twin's module says what it chose.
 
 pub mod approximate;
+pub mod atlas;
 pub mod attributes;
 pub mod brdf;
 pub mod bvh;

@@ -9,6 +9,7 @@ use shadowgraph::capture::{VoxelFormat, write_atomically, write_voxel_attributes
 use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::GpuScene;
+use shadowgraph::techniques::voxel::atlas::{Atlas, Charts, Stretch};
 use shadowgraph::techniques::voxel::attributes::{Attributes, VoxelAttributes};
 use shadowgraph::techniques::voxel::bitmask::Bitmask;
 use shadowgraph::techniques::voxel::conservative::Conservative;
@@ -47,6 +48,8 @@ struct Description {
     /// Columns along x, y and z in which inside and outside are wrong somewhere, of solids.
     #[serde(skip_serializing_if = "Option::is_none")]
     leaks: Option<[u32; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    atlas: Option<AtlasReport>,
 }
 
 /// What `--json` prints.
@@ -75,6 +78,10 @@ pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
     if arguments.rule.is_some() && !has_rule {
         return Err(Failure::input("--rule is for --method stencil and --method winding"));
     }
+    let of_atlas = arguments.texels.is_some() || arguments.second_uvs || arguments.close;
+    if of_atlas && arguments.method != VoxelMethod::Atlas {
+        return Err(Failure::input("--texels, --second-uvs and --close are for --method atlas"));
+    }
     if arguments.vote && !arguments.method.is_solid() {
         return Err(Failure::input("--vote is for solids: --method bitmask, stencil and winding"));
     }
@@ -97,8 +104,13 @@ pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
     let device = gpu.caps().title();
     let found = scene.upload(&gpu).map_err(Failure::from).and_then(|scene| voxelize(arguments, &gpu, &scene));
     let closed = session::close(gpu);
-    let Found { voxels, attributes, leaks, seconds, bytes } = found?;
+    let Found { voxels, attributes, leaks, atlas, seconds, bytes } = found?;
     closed?;
+    if let Some(AtlasReport { texels, holes, thin }) = atlas.filter(|atlas| atlas.holes > 0) {
+        let remedy =
+            if arguments.close { "a finer one is more than the device draws" } else { "--close makes it finer" };
+        log::warn!("{holes} of {thin} voxels of the thin surface hold no texel of {texels} a voxel: {remedy}");
+    }
     // 3. The file, and beside it what it means.
     let grid = voxels.grid();
     let (path, beside) = (&arguments.output, arguments.output.with_extension("json"));
@@ -118,6 +130,7 @@ pub fn run(arguments: &VoxelizeArguments) -> Result<()> {
         set: voxels.count(),
         open_meshes,
         leaks,
+        atlas,
     };
     match &attributes {
         Some(attributes) => write_voxel_attributes(path, attributes, format)?,
@@ -156,9 +169,53 @@ struct Found {
     attributes: Option<VoxelAttributes>,
     /// Columns that leak along x, y and z, of solids.
     leaks: Option<[u32; 3]>,
+    atlas: Option<AtlasReport>,
     seconds: f64,
     /// Of transient memory.
     bytes: u64,
+}
+
+/// How fine an atlas is, and what it leaves out.
+#[derive(Clone, Copy, Serialize)]
+struct AtlasReport {
+    /// Texels along a voxel's edge.
+    texels: f32,
+    /// Voxels of the thin surface that hold no texel.
+    holes: u32,
+    /// Voxels of the thin surface.
+    thin: u32,
+}
+
+/// An atlas as fine as asked for, or so fine that it leaves no hole, and what it leaves out.
+fn atlas(arguments: &VoxelizeArguments, gpu: &Gpu, scene: &GpuScene, grid: &Grid) -> Result<(Atlas, AtlasReport)> {
+    let axis = arguments.axis.into();
+    let stretch = arguments.second_uvs.then(|| Stretch::of(scene, grid)).transpose()?;
+    let charts = |texels| stretch.map_or(Charts::ByAxis { per_voxel: texels }, |stretch| stretch.charts(texels));
+    let mut executor = Executor::new(gpu);
+    let mut look = |texels: f32| -> shadowgraph::Result<(Atlas, AtlasReport)> {
+        let atlas = Atlas { axis, charts: charts(texels) };
+        let mut graph = Graph::new("holes", gpu.caps());
+        let thin = SixSeparating { axis, ..SixSeparating::default() }.record(&mut graph, scene, grid)?;
+        let found = atlas.record(&mut graph, scene, grid)?;
+        let holes = Atlas::holes(&mut graph, &thin, &found)?;
+        graph.capture("holes", &holes);
+        graph.capture("thin", &thin.bits);
+        let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
+        let executed = executor.execute(&plan, graph)?;
+        let words = |name| executed.capture(name)?.texels::<u32>();
+        let (holes, thin) = (words("holes")?.iter().sum(), words("thin")?.iter().map(|word| word.count_ones()).sum());
+        Ok((atlas, AtlasReport { texels, holes, thin }))
+    };
+    let mut best = look(arguments.texels.unwrap_or(2.0))?;
+    while arguments.close && best.1.holes > 0 {
+        // What the device cannot draw ends the search.
+        match look(2.0 * best.1.texels) {
+            Ok(finer) => best = finer,
+            Err(shadowgraph::Error::Invalid { .. }) => break,
+            Err(error) => return Err(error.into()),
+        }
+    }
+    Ok(best)
 }
 
 /// The voxels by a method, with columns along an axis.
@@ -176,6 +233,7 @@ fn record<'f>(
         VoxelMethod::Winding => Winding { axis, rule }.record(graph, scene, grid),
         VoxelMethod::Conservative => Conservative { axis, ..Conservative::default() }.record(graph, scene, grid),
         VoxelMethod::SixSeparating => SixSeparating { axis, ..SixSeparating::default() }.record(graph, scene, grid),
+        VoxelMethod::Atlas => Atlas { axis, ..Atlas::default() }.record(graph, scene, grid),
     }
 }
 
@@ -186,6 +244,8 @@ fn voxelize(arguments: &VoxelizeArguments, gpu: &Gpu, scene: &GpuScene) -> Resul
     // XOR is the even-odd rule.
     let is_xor = method == VoxelMethod::Bitmask || arguments.rule == Some(RuleName::EvenOdd);
     let rule = if is_xor { FillRule::EvenOdd } else { FillRule::NonZero };
+    let is_atlas = method == VoxelMethod::Atlas;
+    let atlas = is_atlas.then(|| atlas(arguments, gpu, scene, &grid)).transpose()?;
     let mut graph = Graph::new("voxelize", gpu.caps());
     // 1. The voxels, along one axis or by the vote of three; columns that leak.
     let vote = Vote { rule };
@@ -196,7 +256,10 @@ fn voxelize(arguments: &VoxelizeArguments, gpu: &Gpu, scene: &GpuScene) -> Resul
                 [Axis::X, Axis::Y, Axis::Z].map(|axis| record(method, &mut graph, scene, &grid, axis, rule));
             vote.record(&mut graph, [&x?, &y?, &z?], leaks)?
         }
-        None => record(method, &mut graph, scene, &grid, arguments.axis.into(), rule)?,
+        None => match &atlas {
+            Some((atlas, _)) => atlas.record(&mut graph, scene, &grid)?,
+            None => record(method, &mut graph, scene, &grid, arguments.axis.into(), rule)?,
+        },
     };
     graph.capture("voxels", &voxels.bits);
     if let Some(leaks) = &leaks {
@@ -216,5 +279,12 @@ fn voxelize(arguments: &VoxelizeArguments, gpu: &Gpu, scene: &GpuScene) -> Resul
     let leaks = leaks.map(|_| executed.capture("leaks")?.texels::<[u32; 3]>()).transpose()?;
     let leaks = leaks.and_then(|counts| counts.first().copied());
     let seconds = began.elapsed().as_secs_f64();
-    Ok(Found { voxels, attributes, leaks, seconds, bytes: plan.statistics.heap_bytes })
+    Ok(Found {
+        voxels,
+        attributes,
+        leaks,
+        atlas: atlas.map(|(_, report)| report),
+        seconds,
+        bytes: plan.statistics.heap_bytes,
+    })
 }

@@ -2,6 +2,7 @@
 //! into the bits of one regular grid, by the conventions of [`Grid`].
 
 pub mod ambient_occlusion;
+pub mod atlas;
 pub mod attributes;
 pub mod bitmask;
 mod columns;

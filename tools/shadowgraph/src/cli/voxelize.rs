@@ -43,6 +43,15 @@ pub struct VoxelizeArguments {
     /// what lies behind an odd number of surfaces
     #[arg(long, value_enum)]
     pub rule: Option<RuleName>,
+    /// Texels of the atlas along a voxel's edge (atlas), at least; otherwise 2
+    #[arg(long, value_name = "COUNT", value_parser = arguments::positive)]
+    pub texels: Option<f32>,
+    /// Lay the atlas out by the meshes' second texture coordinates (atlas), not by axis
+    #[arg(long)]
+    pub second_uvs: bool,
+    /// Make the atlas finer and finer (atlas), until every voxel of the thin surface holds a texel
+    #[arg(long)]
+    pub close: bool,
     /// Look along all three axes and let them vote on what is inside (bitmask, stencil, winding): for surfaces with holes
     #[arg(long, conflicts_with = "axis")]
     pub vote: bool,
@@ -96,6 +105,8 @@ pub enum VoxelMethod {
     Conservative,
     /// Surfaces: as few voxels as separate the two sides.
     SixSeparating,
+    /// Surfaces: voxels that the texels of an atlas lie in. Made by axis, or of the second texture coordinates.
+    Atlas,
 }
 
 impl VoxelMethod {
