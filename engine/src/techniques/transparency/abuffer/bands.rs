@@ -32,7 +32,7 @@ impl ABuffer {
     ///
     /// # Errors
     /// [`Error::Invalid`] with the budget that would do.
-    pub(super) fn bands(&self, caps: &Caps, rows: &[blocks::Row]) -> Result<Vec<Band>> {
+    pub(super) fn parts(&self, caps: &Caps, rows: &[blocks::Row]) -> Result<Vec<Band>> {
         let found = self.parted(caps, rows, self.memory);
         let allowed = self.bands.max(1) as usize;
         if let Some(bands) = found.as_ref().filter(|bands| bands.len() <= allowed) {
@@ -101,7 +101,7 @@ mod tests {
         let picture = rows(&[(10, 2), (20, 3), (5, 1), (40, 17), (0, 0), (30, 9)]);
         let bands = |memory, bands| {
             let abuffer = ABuffer { memory, bands, format: NodeFormat::Compact, ..ABuffer::default() };
-            let parted = abuffer.bands(&caps, &picture);
+            let parted = abuffer.parts(&caps, &picture);
             parted.map(|bands| bands.iter().map(|band| (band.first_row, band.rows)).collect::<Vec<_>>())
         };
         // With a long list anywhere, all need three times the memory.
@@ -115,6 +115,6 @@ mod tests {
         assert!(bands(70 * 48, 2).is_ok() && bands(70 * 48 - 1, 2).is_err());
         caps.limits.max_allocation_size = 16 * 39;
         let abuffer = ABuffer { memory: 1, bands: 9, ..ABuffer::default() };
-        assert!(abuffer.bands(&caps, &picture).unwrap_err().to_string().contains("no more is possible"));
+        assert!(abuffer.parts(&caps, &picture).unwrap_err().to_string().contains("no more is possible"));
     }
 }

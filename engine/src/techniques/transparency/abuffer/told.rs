@@ -33,7 +33,7 @@ impl<'f> Told<'f> {
     pub(super) fn band(&self, index: usize) -> Result<Option<Band>> {
         match self {
             Self::Totals(_) => Ok(None),
-            Self::Rows { rows, abuffer, caps } => Ok(abuffer.bands(caps, rows.values()?)?.get(index).copied()),
+            Self::Rows { rows, abuffer, caps } => Ok(abuffer.parts(caps, rows.values()?)?.get(index).copied()),
         }
     }
 
@@ -43,7 +43,7 @@ impl<'f> Told<'f> {
             Self::Totals(totals) => Ok(of_totals(totals.values()?)),
             Self::Rows { rows, abuffer, caps } => {
                 let rows = rows.values()?;
-                let bands = abuffer.bands(caps, rows)?;
+                let bands = abuffer.parts(caps, rows)?;
                 let pixels = |band: &Band| (u64::from(band.rows) * u64::from(width)).min(band.nodes);
                 Ok(Amount {
                     nodes: bands.iter().map(|band| band.nodes).max().unwrap_or(0),
