@@ -1,6 +1,6 @@
 // A layer: what a surface adds to what lies behind it, and what of that it lets through.
-#ifndef LAYER_GLSL
-#define LAYER_GLSL
+#ifndef TRANSPARENCY_LAYER_GLSL
+#define TRANSPARENCY_LAYER_GLSL
 
 // Whether what passes through is multiplied channel by channel. Techniques that keep one alpha a layer show materials as
 // they are without KHR_materials_transmission.

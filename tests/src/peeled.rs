@@ -8,7 +8,8 @@ use crate::figures::{Check, Picture};
 use crate::soup::{Kitchen, Random, Soup};
 
 /// An A-buffer whose nodes round nothing: what is peeled is not stored either.
-pub const ABUFFER: ABuffer = ABuffer { build: Build::Arrays, format: NodeFormat::Float, exponent: 0, memory: u64::MAX };
+pub const ABUFFER: ABuffer =
+    ABuffer { build: Build::Arrays, format: NodeFormat::Float, exponent: 0, memory: u64::MAX, bands: 1 };
 
 /// Against the twin in double precision, and against the A-buffer by what `compare` makes of a soup, the picture found and
 /// the A-buffer's.

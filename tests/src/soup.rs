@@ -1,20 +1,11 @@
-//! Soups of blended triangles whose vertices lie on the grid of 1/256 pixel, and what the A-buffer makes of them.
+//! Soups of blended triangles whose vertices lie on the grid of 1/256 pixel.
 
 use glam::{DVec3, DVec4, Mat4, Vec3, Vec4};
-use shadowgraph::gpu::Gpu;
-use shadowgraph::graph::{Executed, Executor, Graph, ImageHandle, ImageShape};
-use shadowgraph::scene::{AlphaMode, Draw, DrawList, GpuScene, Material, Scene, View, light_block};
-use shadowgraph::shader::generated::blocks;
-use shadowgraph::techniques::shadow::map_sampler;
-use shadowgraph::techniques::surface::depth::DepthPrepass;
-use shadowgraph::techniques::transparency::OrderIndependent;
-use shadowgraph::techniques::transparency::abuffer::{ABuffer, Composited};
-use shadowgraph::techniques::transparency::forward::ForwardLights;
-use shadowgraph::techniques::transparency::fragments::Blended;
+use shadowgraph::scene::{AlphaMode, Material, Scene, View};
 
 use crate::compare::Comparison;
-use crate::device::shared;
-use crate::figures::{Check, Picture};
+use crate::figures::Check;
+pub use crate::kitchen::{Found, Kitchen, beside_exact};
 use crate::tiny;
 use crate::twin::layers::{self, Fragment, GRID, close_call, composite};
 
@@ -67,27 +58,6 @@ pub struct Flat {
     pub depth: [f32; 3],
     /// Not premultiplied.
     pub color: [f32; 4],
-}
-
-/// What the A-buffer found.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Found {
-    /// Bytes of the picture.
-    pub color: Vec<[f32; 4]>,
-    /// Layers of each pixel.
-    pub count: Vec<f32>,
-    /// Distance of the nearest layer.
-    pub front: Vec<f32>,
-    /// Pixels whose nodes are not as many as were counted; pixels with a clamped colour.
-    pub report: [u32; 2],
-    /// Nodes in all.
-    pub nodes: u32,
-    /// Most of a pixel.
-    pub longest: u32,
-    /// Counter of linked lists.
-    pub counter: Option<u32>,
-    /// Samples that an occlusion query counted.
-    pub samples: Option<u64>,
 }
 
 /// Numbers from a seed (Marsaglia 2003, "Xorshift RNGs").
@@ -167,6 +137,19 @@ impl Soup {
             per_object: 2,
             materials: vec![Kind::Blend],
         }
+    }
+
+    /// Layers over the whole picture, in any order.
+    pub fn full_screen(seed: u64, size: [u32; 2], layers: usize, alpha: f32) -> Self {
+        let mut random = Random::new(seed);
+        let far = size.map(|side| i64::from(side) * GRID);
+        let mut all = Vec::new();
+        for _ in 0..layers {
+            let [r, g, b, _] = random.color();
+            all.extend(rectangle([0, 0], far, [0.3 + 0.6 * random.unit(); 4], [r, g, b, alpha]));
+        }
+        let name = format!("{layers} full-screen layers at {}×{}", size[0], size[1]);
+        Self { name, size, triangles: all, per_object: 1000, materials: vec![Kind::Blend] }
     }
 
     /// Rectangles all at one depth, several an object.
@@ -356,119 +339,4 @@ pub fn rectangle([left, top]: [i64; 2], [right, bottom]: [i64; 2], d: [f32; 4], 
     let upper = Flat { corners: [[left, top], [right, top], [left, bottom]], depth: [d[0], d[1], d[2]], color };
     let lower = Flat { corners: [[right, top], [right, bottom], [left, bottom]], depth: [d[1], d[3], d[2]], color };
     [upper, lower]
-}
-
-/// A soup on the device.
-pub struct Kitchen<'g> {
-    executor: Executor<'g>,
-    gpu: &'g Gpu,
-    /// The scene.
-    pub scene: GpuScene,
-    view: View,
-}
-
-impl<'g> Kitchen<'g> {
-    /// Uploads a soup.
-    pub fn new(gpu: &'g Gpu, soup: &Soup) -> Self {
-        let scene = soup.scene().upload(gpu).unwrap_or_else(|error| panic!("{}: {error}", soup.name));
-        Self { executor: Executor::new(gpu), gpu, scene, view: soup.view() }
-    }
-
-    /// Changes the order of the draws.
-    pub fn reorder(&mut self, change: impl FnOnce(&mut Vec<Draw>)) {
-        let mut draws = self.scene.draws.draws().to_vec();
-        change(&mut draws);
-        self.scene.draws = DrawList::new(draws, Vec::new());
-    }
-
-    /// Draws in any order, the opaque ones first.
-    pub fn shuffle(&mut self, random: &mut Random) {
-        self.reorder(|draws| {
-            random.shuffle(draws);
-            draws.sort_by_key(|draw| draw.class);
-        });
-    }
-
-    /// Runs the A-buffer over it.
-    pub fn run(&mut self, abuffer: ABuffer, pull_vertices: bool) -> shadowgraph::Result<Found> {
-        let mut graph = Graph::new("soup", self.gpu.caps());
-        let view = self.view;
-        let Composited { color, count, front, report, totals, counter, .. } =
-            record(&mut graph, (&self.scene, view), pull_vertices, |graph, depth, blended, color| {
-                abuffer.record(graph, &view, depth, blended, color)
-            });
-        graph.capture("color", &color);
-        graph.capture("count", &count);
-        graph.capture("front", &front);
-        graph.capture("report", &report);
-        let plan = graph.compile(self.gpu).map_err(shadowgraph::Error::from)?;
-        let executed = self.executor.execute(&plan, graph)?;
-        let total = totals.values()?[0].total;
-        Ok(Found {
-            color: texels(&executed, "color")?,
-            count: texels(&executed, "count")?,
-            front: texels(&executed, "front")?,
-            report: texels::<u32>(&executed, "report")?.try_into().unwrap_or([u32::MAX; 2]),
-            nodes: total.nodes,
-            longest: total.longest,
-            counter: counter.map(|counter| counter.values().map(|values| values[0])).transpose()?,
-            samples: executed.samples("abuffer.samples").ok(),
-        })
-    }
-
-    /// The picture that a technique makes beside another one, for the pages.
-    pub fn side_by_side(&mut self, how: &dyn OrderIndependent, other: &[[f32; 4]], caption: &str) -> Picture {
-        let found = self.composite(how, false).unwrap_or_else(|error| panic!("{error}"));
-        let [width, height] = self.view.size.map(|side| side as usize);
-        let row = |y: usize| found[y * width..][..width].iter().chain(&other[y * width..][..width]);
-        let pixels = (0..height).flat_map(row).map(|&[r, g, b, _]| [r, g, b]).collect();
-        Picture { size: [2 * width as u32, height as u32], pixels, exposure: 0.9, caption: caption.into() }
-    }
-
-    /// Runs any technique over it: the picture.
-    pub fn composite(&mut self, how: &dyn OrderIndependent, pull: bool) -> shadowgraph::Result<Vec<[f32; 4]>> {
-        let mut graph = Graph::new("soup", self.gpu.caps());
-        let view = self.view;
-        let color = record(&mut graph, (&self.scene, view), pull, |graph, depth, blended, color| {
-            how.composite(graph, &view, depth, blended, color)
-        });
-        graph.capture("color", &color);
-        let plan = graph.compile(self.gpu).map_err(shadowgraph::Error::from)?;
-        texels(&self.executor.execute(&plan, graph)?, "color")
-    }
-}
-
-/// Opaque depth, the background, and what `composite` makes of the fragments.
-fn record<'f, T>(
-    graph: &mut Graph<'f>,
-    (scene, view): (&'f GpuScene, View),
-    pull_vertices: bool,
-    composite: impl FnOnce(&mut Graph<'f>, &ImageHandle, &Blended<'_, 'f>, ImageHandle) -> T,
-) -> T {
-    let lights: blocks::Lights = light_block(&[], &[]);
-    let lights = ForwardLights {
-        lights: &lights,
-        cascades: None,
-        spots: None,
-        deep: None,
-        sampler: map_sampler(),
-        environment: Vec3::ZERO,
-    };
-    let depth = DepthPrepass.record(graph, scene, &view);
-    let color = graph.image("color", ImageShape::new_2d(ash::vk::Format::R32G32B32A32_SFLOAT, view.size));
-    let color = graph.clear("background", color, ash::vk::ClearColorValue { float32: BACKGROUND });
-    let mut blended = Blended::new(graph, scene, view, &lights);
-    blended.pull_vertices |= pull_vertices;
-    composite(graph, &depth, &blended, color)
-}
-
-/// For the pages: what a technique makes of triangles, and beside it the exact picture.
-pub fn beside_exact(how: &dyn OrderIndependent, caption: &str) -> Picture {
-    let mut kitchen = Kitchen::new(shared(), &Soup::shown());
-    let exact = kitchen.composite(&ABuffer::default(), false).unwrap_or_else(|error| panic!("{error}"));
-    kitchen.side_by_side(how, &exact, caption)
-}
-
-fn texels<T: bytemuck::Pod>(executed: &Executed, name: &str) -> shadowgraph::Result<Vec<T>> {
-    executed.capture(name)?.texels()
 }

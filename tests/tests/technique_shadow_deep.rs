@@ -181,7 +181,7 @@ fn shadow_deep_dims_the_light_of_opaque_surfaces() {
 
 #[test]
 fn portable_shadow_deep_of_the_glasshouse() {
-    agrees(&glasshouse(), FINE);
+    agrees(&glasshouse(), DeepShadow { resolution: 1024 });
     // A scene with nothing to look through has no maps and no layers.
     let bare = glasshouse().without_blending();
     let part = layers(&bare, FINE);

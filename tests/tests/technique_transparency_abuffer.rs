@@ -15,8 +15,13 @@ use shadowgraph_tests::panes::{capture, compare, glass, panes};
 use shadowgraph_tests::render::{Subject, only};
 use shadowgraph_tests::soup::{Found, Kind, Kitchen, Random, Soup};
 
-const LISTS: ABuffer =
-    ABuffer { build: Build::Lists(Sizing::Counted), format: NodeFormat::Compact, exponent: 0, memory: u64::MAX };
+const LISTS: ABuffer = ABuffer {
+    build: Build::Lists(Sizing::Counted),
+    format: NodeFormat::Compact,
+    exponent: 0,
+    memory: u64::MAX,
+    bands: 1,
+};
 const ARRAYS: ABuffer = ABuffer { build: Build::Arrays, ..LISTS };
 
 fn soups() -> Vec<Soup> {
@@ -151,12 +156,16 @@ fn layers(subject: &Subject, transparency: Transparency) -> Part {
 }
 
 fn publish(rows: &[Figure]) {
-    let shown = crossing().changed(|s| s.size = [480, 270]);
-    let colors = layers(&shown, Transparency::ABuffer).vectors("", ["R", "G", "B"]);
-    let pixels: Vec<[f32; 3]> = colors.iter().map(|c| c.as_vec3().to_array()).collect();
-    let rgba: Vec<_> = pixels.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
-    let caption = "Two of four panes go through each other, before a wall".into();
-    let picture = Picture { size: shown.size, exposure: auto_exposure(&rgba), pixels, caption };
+    let picture = |subject: Subject, caption: &str| {
+        let shown = subject.changed(|s| s.size = [480, 270]);
+        let colors = layers(&shown, Transparency::ABuffer).vectors("", ["R", "G", "B"]);
+        let pixels: Vec<[f32; 3]> = colors.iter().map(|c| c.as_vec3().to_array()).collect();
+        let rgba: Vec<_> = pixels.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
+        Picture { size: shown.size, exposure: auto_exposure(&rgba), pixels, caption: caption.into() }
+    };
+    let through = picture(glass(), "Four panes of glass multiply what lies behind them, channel by channel");
+    figures::publish_picture("techniques/transparency", "abuffer_glass", &through);
+    let picture = picture(crossing(), "Two of four panes go through each other, before a wall");
     figures::publish(shared(), "transparency", "abuffer", rows, Some(&picture));
 }
 

@@ -8,6 +8,7 @@ use shadowgraph::graph::description::{Description, Shape};
 use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::{GpuScene, Scene, View};
 use shadowgraph::techniques::surface::gbuffer::Precision;
+use shadowgraph::techniques::transparency::adaptive::Adaptive;
 use shadowgraph::techniques::transparency::depth_peeling::DepthPeeling;
 use shadowgraph::techniques::transparency::dual_depth_peeling::DualDepthPeeling;
 use shadowgraph::techniques::transparency::kbuffer::KBuffer;
@@ -16,6 +17,7 @@ use shadowgraph::techniques::transparency::stochastic::Stochastic;
 use shadowgraph::techniques::transparency::weighted::{Weight, Weighted};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{Figure, Picture, publish_page, publish_picture};
+use shadowgraph_tests::flip::Seen;
 use shadowgraph_tests::harness::require_scene;
 use shadowgraph_tests::soup::Soup;
 
@@ -28,6 +30,8 @@ fn techniques() -> Vec<(&'static str, Transparency, bool)> {
         ("dual depth peeling", Transparency::DualDepthPeeling(DualDepthPeeling { layers: 256 }), true),
         ("k-buffer of 4", Transparency::KBuffer(KBuffer { kept: 4 }), false),
         ("k-buffer of 8", Transparency::KBuffer(KBuffer { kept: 8 }), false),
+        ("adaptive, 4 nodes", Transparency::Adaptive(Adaptive { kept: 4 }), false),
+        ("adaptive, 8 nodes", Transparency::Adaptive(Adaptive { kept: 8 }), false),
         ("moments", Transparency::Moments(Moments), false),
         ("stochastic, 8 samples", Transparency::Stochastic(Stochastic { samples: 8 }), false),
         ("stochastic, 32 samples", Transparency::Stochastic(Stochastic { samples: 32 }), false),
@@ -136,9 +140,11 @@ struct Distance {
     max: f64,
     /// Decibels.
     psnr: f64,
+    /// Mean of FLIP.
+    flip: f64,
 }
 
-fn distance(found: &Measured, exact: &Measured) -> Distance {
+fn distance(size: [u32; 2], found: &Measured, exact: &Measured) -> Distance {
     let count = exact.count.as_ref().unwrap();
     let exposure = auto_exposure(&exact.pixels);
     let pixels = found.pixels.iter().zip(&exact.pixels).zip(count).filter(|(_, count)| **count > 0.0);
@@ -151,7 +157,15 @@ fn distance(found: &Measured, exact: &Measured) -> Distance {
     assert!(errors.len() > 1000, "too little is covered");
     let mean = |of: &dyn Fn(f64) -> f64| errors.iter().map(|&e| of(e)).sum::<f64>() / errors.len() as f64;
     let max = errors.iter().copied().fold(0.0, f64::max);
-    Distance { mean: mean(&|e| e), max, psnr: -10.0 * mean(&|e| e * e).log10() }
+    let seen = [found, exact].map(|measured| {
+        let picture: Vec<_> =
+            measured.pixels.iter().map(|&pixel| shown(pixel, exposure).map(|c| c.clamp(0.0, 1.0))).collect();
+        Seen::new(size, &picture)
+    });
+    let flip = seen[0].difference(&seen[1]).into_iter().zip(count).filter(|(_, count)| **count > 0.0);
+    let flips: Vec<f64> = flip.map(|(flip, _)| flip).collect();
+    let flip = flips.iter().sum::<f64>() / flips.len() as f64;
+    Distance { mean: mean(&|e| e), max, psnr: -10.0 * mean(&|e| e * e).log10(), flip }
 }
 
 fn stages(gpu: &Gpu) -> Vec<Stage<'_>> {
@@ -177,17 +191,17 @@ fn transparency_compared_on_the_same_scenes() {
         let mut found = Vec::new();
         for (name, technique, must_be_exact) in techniques() {
             let measured = stage.measure(technique);
-            let far = distance(&measured, &exact);
+            let far = distance(stage.view.size, &measured, &exact);
             if must_be_exact {
                 assert!(far.max <= 1e-5, "{}: {name}: {far:?}", stage.name);
             }
             let pixels = u64::from(stage.view.size[0]) * u64::from(stage.view.size[1]);
-            let Distance { mean, max, psnr } = far;
+            let Distance { mean, max, psnr, flip } = far;
             let decibels = if psnr.is_finite() { format!("{psnr:.1} dB") } else { "same bits".into() };
             rows.push(Figure {
                 what: format!("{}, up to {longest} layers: {name}", stage.name),
                 value: format!(
-                    "mean {mean:.1e}, max {max:.1e}, {decibels}; {:.2} ms, {} B a pixel",
+                    "mean {mean:.1e}, max {max:.1e}, {decibels}, FLIP {flip:.4}; {:.2} ms, {} B a pixel",
                     measured.seconds * 1e3,
                     measured.bytes / pixels
                 ),
@@ -198,6 +212,7 @@ fn transparency_compared_on_the_same_scenes() {
         let psnr = |wanted: &str| found.iter().find(|(name, _)| *name == wanted).unwrap().1;
         // What costs more is worth it.
         assert!(psnr("k-buffer of 8") >= psnr("k-buffer of 4"), "{}", stage.name);
+        assert!(psnr("adaptive, 8 nodes") >= psnr("adaptive, 4 nodes") - 1e-6, "{}", stage.name);
         assert!(psnr("stochastic, 32 samples") >= psnr("stochastic, 8 samples") - 1e-6, "{}", stage.name);
     }
     silent(shared());

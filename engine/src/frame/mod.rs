@@ -1,12 +1,14 @@
 //! The assembled frame: which light, cascade and camera passes run, from one settings value, and which layers they
 //! leave.
 
+mod adaptive;
 mod layers;
 mod shadows;
 mod voxels;
 
 use glam::Vec3;
 
+pub use adaptive::AdaptiveLists;
 pub use layers::{ABUFFER_REPORT, Deep, Layer, Samples, Selection, Source};
 pub use voxels::VoxelVisibility;
 
@@ -23,6 +25,7 @@ use crate::techniques::surface::gbuffer::{GBuffer, Precision, Surfaces};
 use crate::techniques::surface::position::Position;
 use crate::techniques::transparency::OrderIndependent;
 use crate::techniques::transparency::abuffer::{ABuffer, COMPACT_TRIANGLES, Composited, NodeFormat};
+use crate::techniques::transparency::adaptive::Adaptive;
 use crate::techniques::transparency::depth_peeling::DepthPeeling;
 use crate::techniques::transparency::dual_depth_peeling::DualDepthPeeling;
 use crate::techniques::transparency::forward::{ForwardDeep, ForwardLights, ForwardShadow};
@@ -49,6 +52,8 @@ pub enum Transparency {
     Weighted(Weighted),
     /// The nearest layers exactly, behind them an average.
     KBuffer(KBuffer),
+    /// All layers, as visible as a step function of few nodes tells.
+    Adaptive(Adaptive),
     /// All layers, as visible as four moments of what hides them tell.
     Moments(Moments),
     /// All layers, as visible as random samples tell.
@@ -65,6 +70,7 @@ impl Transparency {
             Self::DualDepthPeeling(_) => "dual_depth_peeling",
             Self::Weighted(_) => "weighted",
             Self::KBuffer(_) => "kbuffer",
+            Self::Adaptive(_) => "adaptive",
             Self::Moments(_) => "moments",
             Self::Stochastic(_) => "stochastic",
         }
@@ -92,6 +98,9 @@ pub struct FrameSettings {
     pub transparency: Transparency,
     /// Most bytes that the A-buffer's layers may take.
     pub layer_memory: u64,
+    /// Bands of rows that the A-buffer may be built in where that is too little: see [`ABuffer::bands`]. Deep pictures are
+    /// built at once.
+    pub layer_bands: u32,
     /// Whether every layer of every pixel is captured as well, for [`crate::capture::DeepPicture`]. Blended surfaces are
     /// composited by [`Transparency::ABuffer`] then.
     pub deep: bool,
@@ -112,6 +121,7 @@ impl FrameSettings {
             precision: Precision::default(),
             transparency: Transparency::default(),
             layer_memory: u64::MAX,
+            layer_bands: 1,
             deep: false,
             layers: Selection::All,
         }
@@ -209,9 +219,9 @@ impl FrameSettings {
     fn unshown(&self, scene: &GpuScene) -> Vec<String> {
         let transparency = self.composited_by();
         let mut unshown = Vec::new();
-        let exact = transparency == Transparency::ABuffer;
-        if scene_transmits(scene) && (self.deep || !exact) {
-            let how = if self.deep { "deep pictures have one alpha a sample" } else { "only abuffer shows it" };
+        let tints = matches!(transparency, Transparency::ABuffer | Transparency::Adaptive(_));
+        if scene_transmits(scene) && (self.deep || !tints) {
+            let how = if self.deep { "deep pictures have one alpha a sample" } else { "abuffer and adaptive show it" };
             unshown.push(format!("light that passes through materials is not tinted by them: {how}"));
         }
         let averages = matches!(
@@ -244,6 +254,7 @@ impl FrameSettings {
         }
         let blended = Blended::new(graph, scene, *view, lights);
         let transparency = self.composited_by();
+        let adaptive;
         let technique: &dyn OrderIndependent = match &transparency {
             Transparency::Sorted => return (Sorted.record(graph, scene, view, depth, lights, color), None),
             Transparency::ABuffer => {
@@ -254,6 +265,10 @@ impl FrameSettings {
             Transparency::DualDepthPeeling(technique) => technique,
             Transparency::Weighted(technique) => technique,
             Transparency::KBuffer(technique) => technique,
+            Transparency::Adaptive(technique) => {
+                adaptive = AdaptiveLists { adaptive: *technique, exponent: 4, memory: self.layer_memory };
+                &adaptive
+            }
             Transparency::Moments(technique) => technique,
             Transparency::Stochastic(technique) => technique,
         };
@@ -277,7 +292,8 @@ impl FrameSettings {
             Precision::Compact => NodeFormat::Compact,
         };
         // Up to a million cd/m²: highlights of the sun are beyond what nodes hold as they are.
-        let abuffer = ABuffer { format, exponent: 4, memory: self.layer_memory, ..ABuffer::default() };
+        let bands = if self.deep { 1 } else { self.layer_bands };
+        let abuffer = ABuffer { format, exponent: 4, memory: self.layer_memory, bands, ..ABuffer::default() };
         let Composited { color, count, front, nodes, report, .. } =
             abuffer.record(graph, &self.view, depth, blended, color);
         if let Some(nodes) = nodes.filter(|_| self.deep) {

@@ -12,7 +12,7 @@ use crate::techniques::shadow::cascaded::CascadedShadow;
 use crate::techniques::shadow::deep::{self, DeepShadow, DeepShadows, SortedCasters};
 use crate::techniques::shadow::marched;
 use crate::techniques::shadow::spot::{MAX_SPOTS, Spot, SpotShadows};
-use crate::techniques::transparency::abuffer::{ABuffer, NodeFormat, SortedLists};
+use crate::techniques::transparency::abuffer::{ABuffer, MOST_LAYERS, NodeFormat, SortedLists};
 use crate::techniques::transparency::casters::Casters;
 use crate::techniques::voxel::Occluders;
 
@@ -104,10 +104,13 @@ impl FrameSettings {
         let blended = scene.draws.draws().iter().filter(|draw| draw.class == DrawClass::Blend);
         let Some(casters) = blended.map(|draw| draw.bounds).reduce(Aabb::union) else { return };
         let mut views: Vec<View> = Vec::new();
+        // The maps stand side by side in one image.
+        let in_a_row = graph.caps().limits.max_image_dimension_2d / technique.side();
+        let most = deep::MAX_LIGHTS.min(in_a_row as usize);
         for (index, light) in scene.lights.iter().enumerate() {
             let Some(shadow) = &mut shadows.of_lights[index] else { continue };
             let Some(view) = technique.view(light, &casters, 2.0 * scene.bounds.radius()) else { continue };
-            if views.len() == deep::MAX_LIGHTS {
+            if views.len() == most {
                 shadows.warnings.push(format!("light `{}` shines through blended surfaces undimmed", light.name));
                 continue;
             }
@@ -128,7 +131,7 @@ impl FrameSettings {
         pass.draw(|_| Ok(()));
         let seen = Casters::new(graph, scene, views.clone());
         let abuffer = ABuffer { format: NodeFormat::Transmittance, memory: self.layer_memory, ..ABuffer::default() };
-        let SortedLists { nodes, spans } = abuffer.sort(graph, "shadow.deep", &nothing, &seen);
+        let SortedLists { nodes, spans } = abuffer.sort(graph, "shadow.deep", &nothing, &seen, MOST_LAYERS);
 
         // 3. Functions and masks.
         shadows.deep = Some(technique.record(graph, receivers, &views, SortedCasters { nodes, spans }));

@@ -41,6 +41,11 @@ pub static TECHNIQUES: &[Technique] = &[
     },
     Technique {
         family: "transparency",
+        name: "adaptive",
+        summary: "blended materials, as visible as a step function of few nodes tells",
+    },
+    Technique {
+        family: "transparency",
         name: "depth_peeling",
         summary: "blended materials, every layer composited exactly, one a pass from the front",
     },

@@ -13,7 +13,7 @@ layout(set = 0, binding = 23, scalar) readonly buffer Cursors {
 };
 void main() {
     uint place = work_index();
-    if (place >= work.length()) {
+    if (place >= work_count()) {
         return;
     }
     Pixel pixel = work[place];

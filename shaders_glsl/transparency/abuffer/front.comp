@@ -22,7 +22,7 @@ layout(set = 0, binding = 5, r32f) writeonly uniform image2D front; // along the
 
 void main() {
     uint place = work_index();
-    if (place >= work.length()) {
+    if (place >= work_count()) {
         return;
     }
     Pixel pixel = work[place];

@@ -16,15 +16,15 @@ layout(set = 0, binding = 1, scalar) writeonly buffer Chunks {
 void main() {
     uint chunk = gl_GlobalInvocationID.x;
     uint pixels = abuffer.size.x * abuffer.size.y;
-    uint first = chunk * CHUNK;
-    if (first >= pixels) {
+    if (chunk >= chunks.length()) {
         return;
     }
+    // A band may have fewer chunks than there is room for.
+    uint first = chunk * CHUNK;
     uint end = min(first + CHUNK, pixels);
     Sums sums = NOTHING;
     for (uint pixel = first; pixel < end; ++pixel) {
-        ivec2 at = ivec2(pixel % abuffer.size.x, pixel / abuffer.size.x);
-        uint count = uint(texelFetch(counts, at, 0).r) * abuffer.used;
+        uint count = uint(texelFetch(counts, pixel_of(pixel), 0).r) * abuffer.used;
         uint own = class_of(count);
         sums.nodes = add_nodes(sums.nodes, count);
         sums.longest = max(sums.longest, count);

@@ -4,16 +4,16 @@
 #include "transparency/abuffer/totals.glsl"
 
 struct Pixel {
-    uint index; // y · width + x
+    uint index; // row of the band · width + x
     uint first; // its first node: in arrays as `place`, in lists the head
     uint place; // nodes of all pixels before
     uint count;
 };
 
 layout(set = 0, binding = 4, scalar) WORK_ACCESS buffer Work {
-    Pixel work[];
+    Pixel work[]; // there may be room for more
 };
 
-ivec2 pixel_of(uint index) {
-    return ivec2(index % abuffer.size.x, index / abuffer.size.x);
+uint work_count() {
+    return total.pixels[0] + total.pixels[1] + total.pixels[2] + total.pixels[3];
 }

@@ -63,6 +63,9 @@ pub fn load(arguments: &FrameArguments) -> Result<Scene> {
     Ok(loaded)
 }
 
+/// Bands that the A-buffer may be built in where its memory is given.
+const MOST_BANDS: u32 = 64;
+
 /// Settings of a frame as the arguments have them.
 pub fn frame_settings(arguments: &FrameArguments, scene: &GpuScene, camera: &Camera) -> Result<FrameSettings> {
     let environment = arguments.environment.unwrap_or_else(|| view::sky(scene));
@@ -73,6 +76,7 @@ pub fn frame_settings(arguments: &FrameArguments, scene: &GpuScene, camera: &Cam
         layers: arguments.layers.clone(),
         transparency: arguments.transparency()?,
         deep_shadow: arguments.deep_shadows.map(|resolution| DeepShadow { resolution }),
+        layer_bands: if arguments.layer_memory.is_some() { MOST_BANDS } else { 1 },
         layer_memory: arguments.layer_memory.map_or(u64::MAX, |mebibytes| mebibytes << 20),
         ..FrameSettings::new(camera.view(arguments.size.0))
     })

@@ -354,6 +354,7 @@ fn techniques_of_transparency_take_their_settings() {
         fs::read(folder.path().join("out.exr")).unwrap()
     };
     for (kind, option, values) in [
+        ("adaptive", "--kept", ["2", "8"]),
         ("kbuffer", "--kept", ["1", "4"]),
         ("stochastic", "--samples", ["2", "64"]),
         ("weighted", "--weight", ["7", "10"]),
@@ -364,10 +365,22 @@ fn techniques_of_transparency_take_their_settings() {
         assert!(text.contains(&format!("\"transparency_setting\":{}", values[0])), "{kind}");
         is_refused(
             &["capture", "builtin:cornell", "-o", "o.exr", option, values[0]],
-            &format!("--transparency {kind}"),
+            &format!("{option} belongs to --transparency"),
         );
     }
     is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--transparency", "kbuffer", "--kept", "33"], "1..=32");
+}
+
+#[test]
+fn layers_come_in_bands_where_memory_is_short() {
+    let folder = tempfile::tempdir().unwrap();
+    let courtyard =
+        ["capture", "builtin:courtyard", "--size", "640x360", "--layers", "color", "--transparency", "abuffer"];
+    let with = |more: &[&'static str]| {
+        succeeds(&folder, &[&courtyard[..], &["-o", "out.exr", "--reproducible", "--float"], more].concat());
+        fs::read(folder.path().join("out.exr")).unwrap()
+    };
+    assert!(with(&[]) == with(&["--layer-memory", "1"]), "another picture");
 }
 
 #[test]

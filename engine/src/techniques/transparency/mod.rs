@@ -1,6 +1,7 @@
 //! Surfaces that let light through.
 
 pub mod abuffer;
+pub mod adaptive;
 pub mod casters;
 pub mod depth_peeling;
 pub mod dual_depth_peeling;

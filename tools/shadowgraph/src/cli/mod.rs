@@ -1,5 +1,6 @@
 //! The command line.
 
+mod transparency;
 mod voxelize;
 
 use std::path::PathBuf;
@@ -7,14 +8,11 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
 use shadowgraph::capture::Compression;
-use shadowgraph::frame::{Selection, Transparency};
-use shadowgraph::techniques::transparency::kbuffer::KBuffer;
-use shadowgraph::techniques::transparency::stochastic::Stochastic;
-use shadowgraph::techniques::transparency::weighted::{Weight, Weighted};
+use shadowgraph::frame::Selection;
 
+pub use self::transparency::TransparencyKind;
 pub use self::voxelize::{RuleName, VoxelMethod, VoxelizeArguments};
 use crate::arguments::{self, SceneSource, Size, Sun};
-use crate::failure::{Failure, Result};
 
 /// Renders a glTF scene with Vulkan and writes every buffer of the frame into one OpenEXR file: colour, depth, normals,
 /// positions, materials, ids, shadows. It needs no window and no graphics card.
@@ -110,7 +108,8 @@ pub struct FrameArguments {
     /// and dual-depth-peeling are exact in every pixel; the others are approximations whatever the order
     #[arg(long, value_enum, value_name = "KIND", default_value_t = TransparencyKind::Sorted)]
     pub transparency: TransparencyKind,
-    /// Layers of a pixel that `--transparency kbuffer` keeps; otherwise 4
+    /// Layers of a pixel that `--transparency kbuffer` keeps (otherwise 4), or nodes of its visibility with `adaptive`
+    /// (otherwise 8)
     #[arg(long, value_name = "LAYERS", value_parser = clap::value_parser!(u32).range(1..=32))]
     pub kept: Option<u32>,
     /// Samples a pixel of `--transparency stochastic`; otherwise 8
@@ -121,7 +120,8 @@ pub struct FrameArguments {
     #[arg(long, value_name = "EQUATION", value_parser = clap::value_parser!(u32).range(7..=10))]
     pub weight: Option<u32>,
     /// Most memory for the layers of `--transparency abuffer`, in MiB; otherwise as much as the device gives. Where it is
-    /// not enough, the command fails and says how much would be
+    /// not enough, the picture is made in up to 64 bands, and where that is not enough either, the command fails and says
+    /// how much would be
     #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..=1 << 30))]
     pub layer_memory: Option<u64>,
     /// Let blended surfaces and glass throw coloured shadows, by deep shadow maps of so many texels a side, from 1 to 2048
@@ -138,70 +138,6 @@ pub struct FrameArguments {
     /// The device
     #[command(flatten)]
     pub device: DeviceArguments,
-}
-
-/// How blended surfaces are composited.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum TransparencyKind {
-    /// Object by object, far ones first.
-    Sorted,
-    /// Every layer of every pixel, by depth.
-    #[value(name = "abuffer")]
-    ABuffer,
-    /// Every layer of every pixel, one a pass from the front.
-    DepthPeeling,
-    /// Every layer of every pixel, two a pass from both ends.
-    DualDepthPeeling,
-    /// All layers averaged, the nearer ones with more weight (--weight).
-    Weighted,
-    /// The nearest layers of every pixel (--kept), and an average of all others behind them.
-    #[value(name = "kbuffer")]
-    KBuffer,
-    /// All layers, as visible as four moments of what hides them tell.
-    Moments,
-    /// All layers, as visible as random samples tell (--samples).
-    Stochastic,
-}
-
-impl FrameArguments {
-    /// The technique of transparency with its settings. Bad usage where one is given that the technique does not have.
-    pub fn transparency(&self) -> Result<Transparency> {
-        use TransparencyKind as Kind;
-        let options = [
-            ("--kept", self.kept, Kind::KBuffer, "kbuffer"),
-            ("--samples", self.samples, Kind::Stochastic, "stochastic"),
-            ("--weight", self.weight, Kind::Weighted, "weighted"),
-        ];
-        if let Some((option, .., name)) =
-            options.iter().find(|(_, value, kind, _)| value.is_some() && *kind != self.transparency)
-        {
-            return Err(Failure::input(format!("{option} belongs to --transparency {name}")));
-        }
-        Ok(match self.transparency {
-            Kind::Sorted => Transparency::Sorted,
-            Kind::ABuffer => Transparency::ABuffer,
-            Kind::DepthPeeling => Transparency::DepthPeeling(Default::default()),
-            Kind::DualDepthPeeling => Transparency::DualDepthPeeling(Default::default()),
-            Kind::Weighted => {
-                let weight = match self.weight {
-                    Some(8) => Weight::Equation8,
-                    Some(9) => Weight::Equation9,
-                    Some(10) => Weight::Equation10,
-                    _ => Weight::Equation7,
-                };
-                Transparency::Weighted(Weighted { weight })
-            }
-            Kind::KBuffer => {
-                let default = KBuffer::default();
-                Transparency::KBuffer(KBuffer { kept: self.kept.unwrap_or(default.kept) })
-            }
-            Kind::Moments => Transparency::Moments(Default::default()),
-            Kind::Stochastic => {
-                let default = Stochastic::default();
-                Transparency::Stochastic(Stochastic { samples: self.samples.unwrap_or(default.samples) })
-            }
-        })
-    }
 }
 
 /// Ways to look into a frame.

@@ -1,23 +1,32 @@
-//! Contiguous arrays: a pass counts, prefix sums say where each pixel's array begins, a pass fills.
-
-use ash::vk;
+//! Contiguous arrays: a pass counts, prefix sums say where each pixel's array begins, a pass fills. All at once, or band
+//! by band of the picture's rows where that would not fit into memory.
 
 use super::resolve::Resolved;
-use super::scan::{chunks_of, scan, work};
-use super::{ABuffer, Built, Composited};
-use crate::graph::{BufferHandle, Graph, ImageHandle};
+use super::scan::{Scanned, chunks_of, scan};
+use super::told::{Amount, Told};
+use super::{ABuffer, Built, Composited, Known};
+use crate::graph::{BufferHandle, Checkpoint, Data, Graph, ImageHandle};
 use crate::scene::View;
 use crate::shader::generated::blocks;
-use crate::shader::generated::transparency::abuffer::{array_frag, check_comp, scan_offsets_comp};
-use crate::techniques::transparency::fragments::{Fragments, Step, count, fragment_pass};
+use crate::shader::generated::transparency::abuffer::{array_frag, check_comp, rows_comp, scan_offsets_comp};
+use crate::techniques::transparency::fragments::{Draw, Fragments, Step, count, fragment_pass};
 
 const NAME: &str = "abuffer";
+
+/// Memory that is made once and used by one band after the other, so that no two are there at once.
+struct Room {
+    nodes: ImageHandle,
+    /// By pixel, where its next node goes.
+    cursors: BufferHandle,
+    work: BufferHandle,
+    sorted: [ImageHandle; 2],
+}
 
 /// Arrays that were filled.
 pub(super) struct Arrays {
     pub(super) built: Built,
-    /// Fragments of each pixel, R32 float.
-    pub(super) count: ImageHandle,
+    /// What long lists are sorted in.
+    pub(super) sorted: [ImageHandle; 2],
     /// By pixel, the end of its array.
     cursors: BufferHandle,
 }
@@ -31,64 +40,130 @@ impl ABuffer {
         fragments: &dyn Fragments<'f>,
         color: ImageHandle,
     ) -> Composited {
-        // 1. Arrays of exactly the right size, filled.
-        let Arrays { built, count, cursors } = self.arrays(graph, NAME, depth, fragments);
+        // 1. How many fragments each pixel has.
+        let count = count(graph, NAME, depth, fragments);
+        let mut onto = Resolved::new(graph, color);
+        if self.bands <= 1 {
+            // 2. All at once: arrays, then sort and composite.
+            let (arrays, totals) = self.arrays(graph, NAME, depth, fragments, &count);
+            let (onto, room) = self.over(graph, view, arrays, onto);
+            let Resolved { color, report, front } = onto;
+            let (nodes, known) = (Some(room.nodes), Known::Totals(totals));
+            return Composited { color, count, front, nodes, report, known, counter: None };
+        }
 
-        // 2. Whether nothing was lost.
-        let mut resolved = Resolved::new(graph, color);
-        let mut pass = graph.compute("abuffer.check", &check_comp::SHADER);
-        pass.read(check_comp::WORK, &built.work).read(check_comp::CURSORS, &cursors);
-        resolved.report = pass.write(check_comp::REPORT, resolved.report);
-        pass.dispatch_indirect(&built.scanned.totals, std::mem::offset_of!(blocks::Totals, work_groups) as u64);
-
-        // 3. Sort and composite.
-        let Resolved { color, report, front } = self.resolve(graph, view, &built, resolved);
-        Composited { color, count, front, nodes: Some(built.nodes), report, totals: built.scanned.told, counter: None }
+        // 3. Or band by band: the host parts the picture's rows.
+        let rows = rows(graph, &count);
+        let told = Told::Rows { rows: rows.clone(), abuffer: *self, caps: graph.caps() };
+        let mut room = self.room(graph, NAME, &told, depth.size());
+        for index in 0..self.bands as usize {
+            let name = format!("{NAME}.{index}");
+            let frame = told.frame(graph, depth.size(), index);
+            let scanned = scan(graph, &name, &count, frame);
+            let draw = in_band(told.clone(), index, depth.size()[0], fragments.draw(Step::Arrays));
+            let arrays = self.fill(graph, name, (scanned, frame, frame), (depth, fragments, draw), &count, room);
+            (onto, room) = self.over(graph, view, arrays, onto);
+        }
+        let Resolved { color, report, front } = onto;
+        Composited { color, count, front, nodes: None, report, known: Known::Rows(rows), counter: None }
     }
 
-    /// Fills an array for each pixel. `name` stands before the names of passes and resources.
+    /// An array for each pixel of the whole picture, of exactly the right size. `name` stands before the names of passes
+    /// and resources.
     pub(super) fn arrays<'f>(
         &self,
         graph: &mut Graph<'f>,
-        name: &'static str,
+        name: &str,
         depth: &ImageHandle,
         fragments: &dyn Fragments<'f>,
-    ) -> Arrays {
+        count: &ImageHandle,
+    ) -> (Arrays, Checkpoint<blocks::Totals>) {
         let size = depth.size();
+        let counted = graph.data(&[blocks::ABufferFrame { size, first_row: 0, capacity: 0, used: 1 }]);
+        let scanned = scan(graph, name, count, counted);
+        let totals = graph.checkpoint(format!("{name}.totals"), &scanned.totals);
+        let told = Told::Totals(totals.clone());
+        let room = self.room(graph, name, &told, size);
+        let frame = told.frame(graph, size, 0);
+        let draw = fragments.draw(Step::Arrays);
+        let frames = (scanned, counted, frame);
+        (self.fill(graph, name.to_owned(), frames, (depth, fragments, draw), count, room), totals)
+    }
 
-        // 1. How many fragments each pixel has, how many there are, and where each pixel's begin.
-        let count = count(graph, name, depth, fragments);
-        let frame = graph.data(&[blocks::ABufferFrame { size, capacity: 0, used: 1 }]);
-        let scanned = scan(graph, name, &count, frame);
-        let work = work(graph, name, &scanned.told);
-        let cursors = graph.buffer(format!("{name}.cursors"), 4 * u64::from(size[0]) * u64::from(size[1]));
+    /// Memory for what is known.
+    fn room<'f>(&self, graph: &mut Graph<'f>, name: &str, told: &Told<'f>, size: [u32; 2]) -> Room {
+        let (this, caps) = (*self, graph.caps());
+        let nodes = move |amount: Amount| this.nodes_size(caps, amount.nodes, false);
+        Room {
+            nodes: told.image(graph, format!("{name}.nodes"), nodes),
+            cursors: graph.buffer(format!("{name}.cursors"), 4 * u64::from(size[0]) * u64::from(size[1])),
+            work: told.pixels(graph, format!("{name}.work"), size[0], size_of::<blocks::Pixel>() as u64),
+            sorted: self.sorted_room(graph, name, told),
+        }
+    }
+
+    /// Places each pixel's array by sums over the counts, and fills it.
+    fn fill<'f>(
+        &self,
+        graph: &mut Graph<'f>,
+        name: String,
+        (scanned, counted, frame): (Scanned, Data, Data),
+        (depth, fragments, draw): (&ImageHandle, &dyn Fragments<'f>, Draw<'f>),
+        count: &ImageHandle,
+        room: Room,
+    ) -> Arrays {
+        let Room { nodes, cursors, work, sorted } = room;
+        // 1. Where each pixel's begin.
         let mut pass = graph.compute(format!("{name}.scan.offsets"), &scan_offsets_comp::SHADER);
-        pass.uniform_data(scan_offsets_comp::ABUFFER, frame)
-            .read(scan_offsets_comp::COUNTS, &count)
+        pass.uniform_data(scan_offsets_comp::ABUFFER, counted)
+            .read(scan_offsets_comp::COUNTS, count)
             .read(scan_offsets_comp::CHUNKS, &scanned.chunks)
             .read(scan_offsets_comp::GROUPS, &scanned.groups)
             .read(scan_offsets_comp::TOTALS, &scanned.totals);
         let work = pass.write(scan_offsets_comp::WORK, work);
         let cursors = pass.write(scan_offsets_comp::CURSORS, cursors);
-        pass.dispatch([chunks_of(size) as u32, 1, 1]);
+        pass.dispatch([chunks_of(depth.size()) as u32, 1, 1]);
 
-        // 2. Arrays of exactly that size, filled.
-        let (this, caps) = (*self, graph.caps());
-        let format = vk::Format::R32G32B32A32_UINT;
-        let nodes = graph.image_after(&scanned.told, format!("{name}.nodes"), format, move |totals| {
-            this.nodes_size(caps, u64::from(totals[0].total.nodes), false)
-        });
-        let frame = graph.data_after(&scanned.told, move |totals| blocks::ABufferFrame {
-            size,
-            capacity: totals[0].total.nodes,
-            used: 1,
-        });
+        // 2. Filled.
         let specialize = |program| self.specialized(program);
         let mut pass = fragment_pass(graph, format!("{name}.fill"), depth, (fragments, Step::Arrays), specialize);
         pass.uniform_data(array_frag::ABUFFER, frame);
         let nodes = pass.write(array_frag::NODES, nodes);
         let cursors = pass.write(array_frag::CURSORS, cursors);
-        pass.draw(fragments.draw(Step::Arrays));
-        Arrays { built: Built { name, nodes, linked: false, scanned, work, frame }, count, cursors }
+        pass.draw(draw);
+        Arrays { built: Built { name, nodes, linked: false, scanned, work, frame }, sorted, cursors }
     }
+
+    /// Checks that nothing was lost, sorts arrays and composites them. Gives their memory back.
+    fn over(&self, graph: &mut Graph, view: &View, arrays: Arrays, mut onto: Resolved) -> (Resolved, Room) {
+        let Arrays { built, sorted, cursors } = arrays;
+        let totals = &built.scanned.totals;
+        let mut pass = graph.compute(format!("{}.check", built.name), &check_comp::SHADER);
+        pass.read(check_comp::TOTALS, totals).read(check_comp::WORK, &built.work).read(check_comp::CURSORS, &cursors);
+        onto.report = pass.write(check_comp::REPORT, onto.report);
+        pass.dispatch_indirect(totals, std::mem::offset_of!(blocks::Totals, work_groups) as u64);
+        let (onto, sorted) = self.resolve(graph, view, &built, sorted, onto);
+        let Built { nodes, work, .. } = built;
+        (onto, Room { nodes, cursors, work, sorted })
+    }
+}
+
+/// Draws over one band alone; nothing where there is none of this number.
+fn in_band<'f>(told: Told<'f>, index: usize, width: u32, mut draw: Draw<'f>) -> Draw<'f> {
+    Box::new(move |recorder| {
+        let Some(band) = told.band(index)? else { return Ok(()) };
+        recorder.scissor([0, band.first_row], [width, band.rows]);
+        draw(recorder)
+    })
+}
+
+/// What each row holds; the host reads it.
+fn rows(graph: &mut Graph, count: &ImageHandle) -> Checkpoint<blocks::Row> {
+    let height = count.size()[1];
+    let rows = graph.buffer("abuffer.rows", u64::from(height) * size_of::<blocks::Row>() as u64);
+    let mut pass = graph.compute("abuffer.rows", &rows_comp::SHADER);
+    pass.read(rows_comp::COUNTS, count);
+    let rows = pass.write(rows_comp::ROWS, rows);
+    pass.dispatch([height, 1, 1]);
+    graph.checkpoint("abuffer.rows", &rows)
 }

@@ -3,8 +3,9 @@
 use ash::vk;
 
 use super::resolve::Resolved;
-use super::scan::{chunks_of, scan, work};
-use super::{ABuffer, Built, Composited, Sizing};
+use super::scan::{chunks_of, scan};
+use super::told::Told;
+use super::{ABuffer, Built, Composited, Known, Sizing};
 use crate::graph::{BufferHandle, Checkpoint, Data, Graph, ImageHandle, ImageShape};
 use crate::scene::View;
 use crate::shader::generated::blocks;
@@ -32,7 +33,7 @@ impl ABuffer {
     ) -> Composited {
         let size = depth.size();
         let (this, caps) = (*self, graph.caps());
-        let block = move |capacity, used| blocks::ABufferFrame { size, capacity, used };
+        let block = move |capacity, used| blocks::ABufferFrame { size, first_row: 0, capacity, used };
         let count = graph.image("abuffer.count", ImageShape::new_2d(vk::Format::R32_SFLOAT, size));
         let count = graph.clear("abuffer.count.begin", count, vk::ClearColorValue::default());
         let onto = Resolved::new(graph, color);
@@ -48,8 +49,8 @@ impl ABuffer {
                 let counter = graph.checkpoint("abuffer.counter", &lists.counter);
 
                 // 2. Sort and composite.
-                let (built, count) = self.listed(graph, "abuffer", lists, count, frame);
-                (self.resolve(graph, view, &built, onto), count, built.scanned.told, counter)
+                let ((built, sorted), totals, count) = self.listed(graph, "abuffer", lists, count, frame);
+                (self.resolve(graph, view, &built, sorted, onto).0, count, totals, counter)
             }
             Sizing::Guessed(capacity) => {
                 // 1. Lists of so many nodes; the counter counts all fragments.
@@ -72,14 +73,15 @@ impl ABuffer {
                 let redone = self.build(graph, "abuffer.redone", depth, fragments, nodes, frame, again);
 
                 // 3. Sort and composite those that are whole; the others count as empty.
-                let (built, count) = self.listed(graph, "abuffer", lists, count, enough);
-                let onto = self.resolve(graph, view, &built, onto);
-                let (built, count) = self.listed(graph, "abuffer.redone", redone, count, frame);
-                (self.resolve(graph, view, &built, onto), count, built.scanned.told, counter)
+                let ((built, sorted), _, count) = self.listed(graph, "abuffer", lists, count, enough);
+                let (onto, _) = self.resolve(graph, view, &built, sorted, onto);
+                let ((built, sorted), totals, count) = self.listed(graph, "abuffer.redone", redone, count, frame);
+                (self.resolve(graph, view, &built, sorted, onto).0, count, totals, counter)
             }
         };
         let Resolved { color, report, front } = resolved;
-        Composited { color, count, front, nodes: None, report, totals, counter: Some(counter) }
+        let known = Known::Totals(totals);
+        Composited { color, count, front, nodes: None, report, known, counter: Some(counter) }
     }
 
     /// Builds lists where `wanted` says so when the frame gets there.
@@ -118,7 +120,7 @@ impl ABuffer {
         lists: Lists,
         count: ImageHandle,
         frame: Data,
-    ) -> (Built, ImageHandle) {
+    ) -> ((Built, [ImageHandle; 2]), Checkpoint<blocks::Totals>, ImageHandle) {
         let Lists { nodes, heads, .. } = lists;
         let size = heads.size();
         let mut pass = graph.compute(format!("{name}.lengths"), &list_counts_comp::SHADER);
@@ -131,7 +133,9 @@ impl ABuffer {
         pass.dispatch([size[0], size[1], 1]);
 
         let scanned = scan(graph, name, &count, frame);
-        let work = work(graph, name, &scanned.told);
+        let totals = graph.checkpoint(format!("{name}.totals"), &scanned.totals);
+        let told = Told::Totals(totals.clone());
+        let work = told.pixels(graph, format!("{name}.work"), size[0], size_of::<blocks::Pixel>() as u64);
         let mut pass = graph.compute(format!("{name}.scan.offsets"), &list_offsets_comp::SHADER);
         pass.uniform_data(list_offsets_comp::ABUFFER, frame)
             .read(list_offsets_comp::COUNTS, &count)
@@ -141,7 +145,9 @@ impl ABuffer {
             .read(list_offsets_comp::HEADS, &heads);
         let work = pass.write(list_offsets_comp::WORK, work);
         pass.dispatch([chunks_of(size) as u32, 1, 1]);
-        (Built { name, nodes, linked: true, scanned, work, frame }, count)
+        let sorted = self.sorted_room(graph, name, &told);
+        let built = Built { name: name.into(), nodes, linked: true, scanned, work, frame };
+        ((built, sorted), totals, count)
     }
 }
 

@@ -5,17 +5,22 @@
 //! "Memory-optimized order-independent transparency with dynamic fragment buffer" (counting, prefix sum, arrays).
 
 mod arrays;
+mod bands;
 mod lists;
 mod node;
 mod resolve;
 mod scan;
 mod sorted;
+mod told;
 
 pub use node::{COMPACT_TRIANGLES, Node, NodeFormat};
 pub use resolve::MOST_LAYERS;
 pub use sorted::{MOST_SORTED, SortedLists};
 
+use self::node::TEXEL;
+use self::resolve::SHORT;
 use self::scan::Scanned;
+use crate::Result;
 use crate::graph::{BufferHandle, Checkpoint, Data, Graph, ImageHandle};
 use crate::scene::View;
 use crate::shader::generated::blocks;
@@ -32,14 +37,18 @@ pub struct ABuffer {
     /// Colours are stored as multiples of two to this power: it moves the range that the format can hold. From -64 to
     /// 64.
     pub exponent: i32,
-    /// Most bytes that nodes may take. The device's largest allocation is a limit anyway.
+    /// Most bytes that nodes and the images that long lists are sorted in may take at once. The device's largest
+    /// allocation is a limit anyway.
     pub memory: u64,
+    /// Bands of rows that arrays may be built in, one after the other, where the whole picture does not fit into `memory`.
+    /// Each is some twenty passes, which do nothing where it is not needed. With 1 the picture is built at once.
+    pub bands: u32,
 }
 
 impl Default for ABuffer {
     /// Counted arrays of compact nodes, as many as the device has room for.
     fn default() -> Self {
-        Self { build: Build::default(), format: NodeFormat::default(), exponent: 0, memory: u64::MAX }
+        Self { build: Build::default(), format: NodeFormat::default(), exponent: 0, memory: u64::MAX, bands: 1 }
     }
 }
 
@@ -71,20 +80,49 @@ pub struct Composited {
     /// Distance of the nearest layer along the view axis, metres, R32 float; infinite where there is none.
     pub front: ImageHandle,
     /// Nodes of [`Build::Arrays`], R32G32B32A32 uint texels row by row, for [`ABuffer::unpack`]: those of the first pixel,
-    /// then those of the next in its row, each pixel's in any order.
+    /// then those of the next in its row, each pixel's in any order. `None` where there may be several bands.
     pub nodes: Option<ImageHandle>,
     /// One [`blocks::ABufferReport`].
     pub report: BufferHandle,
     /// Sums over all pixels; once the frame has run.
-    pub totals: Checkpoint<blocks::Totals>,
+    pub known: Known,
     /// The counter of linked lists: fragments that asked for a node, of the first attempt.
     pub counter: Option<Checkpoint<u32>>,
 }
 
-/// Nodes of a picture, before they are sorted.
+/// What the host reads of a picture's layers.
+#[derive(Clone)]
+pub enum Known {
+    /// Of the whole picture.
+    Totals(Checkpoint<blocks::Totals>),
+    /// Of each row.
+    Rows(Checkpoint<blocks::Row>),
+}
+
+impl Known {
+    /// Nodes of all pixels, and most of a pixel.
+    ///
+    /// # Errors
+    /// [`crate::Error::Invalid`] before the frame has run.
+    pub fn layers(&self) -> Result<(u64, u32)> {
+        match self {
+            Self::Totals(totals) => {
+                let total = &totals.values()?[0].total;
+                Ok((u64::from(total.nodes), total.longest))
+            }
+            Self::Rows(rows) => {
+                let rows = rows.values()?;
+                let nodes = rows.iter().map(|row| u64::from(row.nodes)).sum();
+                Ok((nodes, rows.iter().map(|row| row.longest).max().unwrap_or(0)))
+            }
+        }
+    }
+}
+
+/// Nodes of a picture or a band, before they are sorted.
 struct Built {
     /// Before the names of passes.
-    name: &'static str,
+    name: String,
     nodes: ImageHandle,
     linked: bool,
     scanned: Scanned,
@@ -98,7 +136,7 @@ impl ABuffer {
     /// Composites all fragments before the opaque `depth` over `color` (R32G32B32A32 float, premultiplied).
     ///
     /// Running the frame fails with [`crate::Error::Invalid`], and says what would be needed, where there is no
-    /// room for all fragments or a pixel has more than [`MOST_LAYERS`].
+    /// room for all fragments, in as many bands as there may be, or a pixel has more than [`MOST_LAYERS`].
     pub fn record<'f>(
         &self,
         graph: &mut Graph<'f>,

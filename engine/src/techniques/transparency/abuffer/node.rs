@@ -31,13 +31,13 @@ pub enum NodeFormat {
 }
 
 /// Bytes of a texel of nodes.
-const TEXEL: u64 = 16;
+pub(super) const TEXEL: u64 = 16;
 /// Texels of a row of the nodes' image: `node.glsl`.
 const ROW: u32 = 4096;
 
 impl NodeFormat {
     /// Texels of a node.
-    fn texels(self, linked: bool) -> u64 {
+    pub(super) fn texels(self, linked: bool) -> u64 {
         match self {
             Self::Compact => 1,
             Self::Half | Self::CompactTinted | Self::Transmittance => 1 + u64::from(linked),
@@ -113,7 +113,7 @@ impl ABuffer {
     }
 
     /// What colours are stored as multiples of.
-    pub(super) fn unit(&self) -> f32 {
+    pub fn unit(&self) -> f32 {
         (self.exponent.clamp(-64, 64) as f32).exp2()
     }
 

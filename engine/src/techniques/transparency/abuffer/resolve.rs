@@ -4,14 +4,15 @@ use std::mem::offset_of;
 
 use ash::vk;
 
+use super::told::{Amount, Told};
 use super::{ABuffer, Built};
-use crate::Error;
 use crate::graph::{BufferHandle, Graph, ImageHandle, ImageShape};
 use crate::scene::{View, ViewSet};
 use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::abuffer::{
     front_comp, long_blocks_comp, long_composite_comp, long_flatten_comp, long_merge_comp, long_runs_comp, resolve_comp,
 };
+use crate::{Error, Result};
 
 /// Nodes that fit into registers: `scan.glsl`.
 pub(super) const SHORT: u32 = 16;
@@ -48,11 +49,29 @@ impl Resolved {
 }
 
 impl ABuffer {
-    /// Sorts each pixel's nodes and composites them over what is there.
-    pub(super) fn resolve(&self, graph: &mut Graph, view: &View, built: &Built, onto: Resolved) -> Resolved {
+    /// Sorts each pixel's nodes and composites them over what is there. `sorted`: of [`ABuffer::sorted_room`].
+    pub(super) fn resolve(
+        &self,
+        graph: &mut Graph,
+        view: &View,
+        built: &Built,
+        sorted: [ImageHandle; 2],
+        onto: Resolved,
+    ) -> (Resolved, [ImageHandle; 2]) {
         let onto = self.short(graph, built, onto);
-        let onto = self.long(graph, built, onto);
-        Resolved { front: self.front(graph, view, built, onto.front), ..onto }
+        let (onto, sorted) = self.long(graph, built, sorted, onto);
+        (Resolved { front: self.front(graph, view, built, onto.front), ..onto }, sorted)
+    }
+
+    /// Two images that long lists are sorted in.
+    pub(super) fn sorted_room<'f>(&self, graph: &mut Graph<'f>, name: &str, told: &Told<'f>) -> [ImageHandle; 2] {
+        let mut sorted = |which: &str| {
+            let this = *self;
+            told.image(graph, format!("{name}.sorted.{which}"), move |amount| this.sorted_size(amount))
+        };
+        let (even, odd) = (sorted("even"), sorted("odd"));
+        // Step 2 of sorting reads only what it wrote itself, which nobody can see from outside.
+        [even, graph.clear(format!("{name}.sorted.begin"), odd, vk::ClearColorValue::default())]
     }
 
     /// Pixels of few nodes, class by class.
@@ -76,19 +95,11 @@ impl ABuffer {
         Resolved { color, report, front }
     }
 
-    /// Pixels of more nodes: sorted in memory. Where there are none, nothing is dispatched. Gives two images; after an
-    /// even number of merges a pixel's nodes are in the first.
-    pub(super) fn merged(&self, graph: &mut Graph, built: &Built) -> [ImageHandle; 2] {
+    /// Pixels of more nodes: sorted in memory. Where there are none, nothing is dispatched. After an even number of merges a
+    /// pixel's nodes are in the first of both images.
+    pub(super) fn merged(&self, graph: &mut Graph, built: &Built, [even, odd]: [ImageHandle; 2]) -> [ImageHandle; 2] {
         let Built { name, scanned, .. } = built;
         let totals = &scanned.totals;
-        let mut sorted = |which: &str| {
-            let format = vk::Format::R32G32B32A32_UINT;
-            graph.image_after(&scanned.told, format!("{name}.sorted.{which}"), format, sorted_size)
-        };
-        let (even, odd) = (sorted("even"), sorted("odd"));
-        // Step 2 reads only what it wrote itself, which nobody can see from outside.
-        let odd = graph.clear(format!("{name}.sorted.begin"), odd, vk::ClearColorValue::default());
-
         // 1. Blocks of 16, in registers; of lists, once their nodes stand side by side.
         let odd = if built.linked { self.flatten(graph, built, odd) } else { odd };
         let mut pass = graph.compute(format!("{name}.long.blocks"), &long_blocks_comp::SHADER);
@@ -125,10 +136,16 @@ impl ABuffer {
     }
 
     /// Composites pixels of more nodes.
-    fn long(&self, graph: &mut Graph, built: &Built, onto: Resolved) -> Resolved {
+    fn long(
+        &self,
+        graph: &mut Graph,
+        built: &Built,
+        sorted: [ImageHandle; 2],
+        onto: Resolved,
+    ) -> (Resolved, [ImageHandle; 2]) {
         let Resolved { color, report, front } = onto;
         let Built { name, scanned, frame, .. } = built;
-        let [even, odd] = self.merged(graph, built);
+        let [even, odd] = self.merged(graph, built, sorted);
         let mut pass = graph.compute(format!("{name}.long.composite"), &long_composite_comp::SHADER);
         pass.uniform_data(long_composite_comp::ABUFFER, *frame)
             .read(long_composite_comp::NODES, &built.nodes)
@@ -142,7 +159,7 @@ impl ABuffer {
         let color = pass.write(long_composite_comp::COLOR, color);
         let report = pass.write(long_composite_comp::REPORT, report);
         pass.dispatch_indirect(&scanned.totals, LONG_GROUPS);
-        Resolved { color, report, front }
+        (Resolved { color, report, front }, [even, odd])
     }
 
     /// Nodes of long lists, side by side.
@@ -164,6 +181,7 @@ impl ABuffer {
         pass.uniform(front_comp::VIEWS, &ViewSet::from(*view).block())
             .uniform_data(front_comp::ABUFFER, built.frame)
             .read(front_comp::NODES, &built.nodes)
+            .read(front_comp::TOTALS, &built.scanned.totals)
             .read(front_comp::WORK, &built.work)
             .specialize(front_comp::NODE_FORMAT, self.format.number())
             .specialize(front_comp::LINKED, built.linked);
@@ -173,13 +191,19 @@ impl ABuffer {
     }
 }
 
-/// Size of the image of sorted nodes: one texel where no pixel has many.
-fn sorted_size(totals: &[blocks::Totals]) -> crate::Result<[u32; 2]> {
-    let total = &totals[0].total;
-    if total.longest > MOST_LAYERS {
-        let wrong = format!("a pixel has {} layers; at most {MOST_LAYERS} are sorted", total.longest);
-        return Err(Error::invalid("A-buffer", wrong));
+impl ABuffer {
+    /// Size of each image of sorted nodes: one texel where no pixel has many.
+    fn sorted_size(&self, Amount { nodes, longest, .. }: Amount) -> Result<[u32; 2]> {
+        if longest > MOST_LAYERS {
+            let wrong = format!("a pixel has {longest} layers; at most {MOST_LAYERS} are sorted");
+            return Err(Error::invalid("A-buffer", wrong));
+        }
+        let needed = self.bytes(nodes, longest);
+        if longest > SHORT && needed > self.memory {
+            let allowed = self.memory;
+            let wrong = format!("{nodes} fragments, sorted, need {needed} bytes; there may be {allowed}");
+            return Err(Error::invalid("A-buffer", wrong));
+        }
+        Ok(super::node::texels_size(if longest > SHORT { nodes } else { 0 }))
     }
-    let nodes = if total.longest > SHORT { total.nodes } else { 0 };
-    Ok(super::node::texels_size(u64::from(nodes)))
 }

@@ -1,6 +1,6 @@
 //! Prefix sums over the pixels' counts: how many nodes there are, and how much work that is.
 
-use crate::graph::{BufferHandle, Checkpoint, Data, Graph, ImageHandle};
+use crate::graph::{BufferHandle, Data, Graph, ImageHandle};
 use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::abuffer::{scan_chunks_comp, scan_groups_comp, scan_total_comp};
 
@@ -13,8 +13,6 @@ pub(super) struct Scanned {
     pub(super) chunks: BufferHandle,
     pub(super) groups: BufferHandle,
     pub(super) totals: BufferHandle,
-    /// The same, on the host.
-    pub(super) told: Checkpoint<blocks::Totals>,
 }
 
 /// Chunks of a picture.
@@ -22,7 +20,7 @@ pub(super) fn chunks_of(size: [u32; 2]) -> u64 {
     (u64::from(size[0]) * u64::from(size[1])).div_ceil(CHUNK)
 }
 
-/// Sums up `count`; the host reads the totals.
+/// Sums up `count` over the picture or the band that `frame` says.
 pub(super) fn scan(graph: &mut Graph, name: &str, count: &ImageHandle, frame: Data) -> Scanned {
     let chunk_count = chunks_of(count.size());
     let group_count = chunk_count.div_ceil(GROUP);
@@ -45,14 +43,5 @@ pub(super) fn scan(graph: &mut Graph, name: &str, count: &ImageHandle, frame: Da
     let groups = pass.write(scan_total_comp::GROUPS, groups);
     let totals = pass.write(scan_total_comp::TOTALS, totals);
     pass.dispatch([1, 1, 1]);
-    let told = graph.checkpoint(format!("{name}.totals"), &totals);
-    Scanned { chunks, groups, totals, told }
-}
-
-/// The list of pixels that have nodes, as large as it must be.
-pub(super) fn work(graph: &mut Graph, name: &str, told: &Checkpoint<blocks::Totals>) -> BufferHandle {
-    graph.buffer_after(told, format!("{name}.work"), |totals| {
-        let pixels: u64 = totals[0].total.pixels.iter().map(|&pixels| u64::from(pixels)).sum();
-        pixels * size_of::<blocks::Pixel>() as u64
-    })
+    Scanned { chunks, groups, totals }
 }

@@ -4,13 +4,15 @@ use std::mem::offset_of;
 
 use ash::vk;
 
+use super::arrays::Arrays;
 use super::resolve::{GROUPS, LONG_GROUPS, SHORT};
+use super::told::{Amount, Told};
 use super::{ABuffer, Built, NodeFormat, node};
 use crate::Error;
 use crate::graph::{Graph, ImageHandle, ImageShape};
 use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::abuffer::{sort_comp, sort_long_comp, spans_comp};
-use crate::techniques::transparency::fragments::Fragments;
+use crate::techniques::transparency::fragments::{Fragments, count};
 
 /// Most nodes that [`SortedLists`] count exactly: floats hold their places.
 pub const MOST_SORTED: u64 = 1 << 24;
@@ -29,13 +31,14 @@ impl ABuffer {
     /// of [`NodeFormat::CompactTinted`] or [`NodeFormat::Transmittance`], whichever is asked for.
     ///
     /// Running the frame fails with [`crate::Error::Invalid`] where there are more fragments than [`MOST_SORTED`] or than
-    /// there is room for.
+    /// there is room for, or a pixel has more than `most_layers`.
     pub fn sort<'f>(
         &self,
         graph: &mut Graph<'f>,
         name: &'static str,
         depth: &ImageHandle,
         fragments: &dyn Fragments<'f>,
+        most_layers: u32,
     ) -> SortedLists {
         // A node must have all it holds in one texel.
         let format = match self.format {
@@ -44,12 +47,16 @@ impl ABuffer {
         };
         let this = Self { format, ..*self };
         // 1. An array for each pixel.
-        let built = this.arrays(graph, name, depth, fragments).built;
+        let count = count(graph, name, depth, fragments);
+        let (Arrays { built, sorted: room, .. }, totals) = this.arrays(graph, name, depth, fragments, &count);
         let sorted =
-            graph.image_after(&built.scanned.told, format!("{name}.sorted"), vk::Format::R32G32B32A32_UINT, |totals| {
-                let nodes = u64::from(totals[0].total.nodes);
+            Told::Totals(totals).image(graph, format!("{name}.sorted"), move |Amount { nodes, longest, .. }| {
                 if nodes > MOST_SORTED {
                     let wrong = format!("{nodes} fragments are more than the {MOST_SORTED} that can be listed");
+                    return Err(Error::invalid("A-buffer", wrong));
+                }
+                if longest > most_layers {
+                    let wrong = format!("a pixel has {longest} layers; at most {most_layers} can be taken");
                     return Err(Error::invalid("A-buffer", wrong));
                 }
                 Ok(node::texels_size(nodes))
@@ -60,11 +67,12 @@ impl ABuffer {
 
         // 2. Sorted, short ones in registers, long ones in memory.
         let sorted = this.sort_short(graph, &built, sorted);
-        let nodes = this.sort_long(graph, &built, sorted);
+        let nodes = this.sort_long(graph, &built, room, sorted);
 
         // 3. Where each pixel's begin.
         let mut pass = graph.compute(format!("{name}.spans"), &spans_comp::SHADER);
         pass.uniform_data(spans_comp::ABUFFER, built.frame)
+            .read(spans_comp::TOTALS, &built.scanned.totals)
             .read(spans_comp::WORK, &built.work)
             .read(spans_comp::SORTED, &nodes);
         let spans = pass.write(spans_comp::SPANS, spans);
@@ -87,8 +95,8 @@ impl ABuffer {
         sorted
     }
 
-    fn sort_long(&self, graph: &mut Graph, built: &Built, sorted: ImageHandle) -> ImageHandle {
-        let [even, odd] = self.merged(graph, built);
+    fn sort_long(&self, graph: &mut Graph, built: &Built, room: [ImageHandle; 2], sorted: ImageHandle) -> ImageHandle {
+        let [even, odd] = self.merged(graph, built, room);
         let mut pass = graph.compute(format!("{}.sort.long", built.name), &sort_long_comp::SHADER);
         pass.read(sort_long_comp::TOTALS, &built.scanned.totals)
             .read(sort_long_comp::WORK, &built.work)

@@ -1,0 +1,157 @@
+//! What techniques of transparency make of soups, on the device.
+
+use glam::Vec3;
+use shadowgraph::gpu::Gpu;
+use shadowgraph::graph::{Executed, Executor, Graph, ImageHandle, ImageShape};
+use shadowgraph::scene::{Draw, DrawList, GpuScene, View, light_block};
+use shadowgraph::shader::generated::blocks;
+use shadowgraph::techniques::shadow::map_sampler;
+use shadowgraph::techniques::surface::depth::DepthPrepass;
+use shadowgraph::techniques::transparency::OrderIndependent;
+use shadowgraph::techniques::transparency::abuffer::{ABuffer, Composited};
+use shadowgraph::techniques::transparency::forward::ForwardLights;
+use shadowgraph::techniques::transparency::fragments::Blended;
+
+use crate::device::shared;
+use crate::figures::Picture;
+use crate::soup::{BACKGROUND, Random, Soup};
+
+/// What the A-buffer found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// Bytes of the picture.
+    pub color: Vec<[f32; 4]>,
+    /// Layers of each pixel.
+    pub count: Vec<f32>,
+    /// Distance of the nearest layer.
+    pub front: Vec<f32>,
+    /// Pixels whose nodes are not as many as were counted; pixels with a clamped colour.
+    pub report: [u32; 2],
+    /// Nodes in all.
+    pub nodes: u32,
+    /// Most of a pixel.
+    pub longest: u32,
+    /// Counter of linked lists.
+    pub counter: Option<u32>,
+    /// Samples that an occlusion query counted.
+    pub samples: Option<u64>,
+}
+
+/// A soup on the device.
+pub struct Kitchen<'g> {
+    executor: Executor<'g>,
+    gpu: &'g Gpu,
+    /// The scene.
+    pub scene: GpuScene,
+    view: View,
+    /// Bytes of transient memory of the last run of the A-buffer: the most of a segment.
+    pub memory: u64,
+}
+
+impl<'g> Kitchen<'g> {
+    /// Uploads a soup.
+    pub fn new(gpu: &'g Gpu, soup: &Soup) -> Self {
+        let scene = soup.scene().upload(gpu).unwrap_or_else(|error| panic!("{}: {error}", soup.name));
+        Self { executor: Executor::new(gpu), gpu, scene, view: soup.view(), memory: 0 }
+    }
+
+    /// Changes the order of the draws.
+    pub fn reorder(&mut self, change: impl FnOnce(&mut Vec<Draw>)) {
+        let mut draws = self.scene.draws.draws().to_vec();
+        change(&mut draws);
+        self.scene.draws = DrawList::new(draws, Vec::new());
+    }
+
+    /// Draws in any order, the opaque ones first.
+    pub fn shuffle(&mut self, random: &mut Random) {
+        self.reorder(|draws| {
+            random.shuffle(draws);
+            draws.sort_by_key(|draw| draw.class);
+        });
+    }
+
+    /// Runs the A-buffer over it.
+    pub fn run(&mut self, abuffer: ABuffer, pull_vertices: bool) -> shadowgraph::Result<Found> {
+        let mut graph = Graph::new("soup", self.gpu.caps());
+        let view = self.view;
+        let Composited { color, count, front, report, known, counter, .. } =
+            record(&mut graph, (&self.scene, view), pull_vertices, |graph, depth, blended, color| {
+                abuffer.record(graph, &view, depth, blended, color)
+            });
+        graph.capture("color", &color);
+        graph.capture("count", &count);
+        graph.capture("front", &front);
+        graph.capture("report", &report);
+        let plan = graph.compile(self.gpu).map_err(shadowgraph::Error::from)?;
+        let executed = self.executor.execute(&plan, graph)?;
+        let heaps = executed.later.iter().map(|segment| segment.plan.statistics.heap_bytes);
+        self.memory = heaps.max().unwrap_or(0);
+        let (nodes, longest) = known.layers()?;
+        Ok(Found {
+            color: texels(&executed, "color")?,
+            count: texels(&executed, "count")?,
+            front: texels(&executed, "front")?,
+            report: texels::<u32>(&executed, "report")?.try_into().unwrap_or([u32::MAX; 2]),
+            nodes: nodes as u32,
+            longest,
+            counter: counter.map(|counter| counter.values().map(|values| values[0])).transpose()?,
+            samples: executed.samples("abuffer.samples").ok(),
+        })
+    }
+
+    /// The picture that a technique makes beside another one, for the pages.
+    pub fn side_by_side(&mut self, how: &dyn OrderIndependent, other: &[[f32; 4]], caption: &str) -> Picture {
+        let found = self.composite(how, false).unwrap_or_else(|error| panic!("{error}"));
+        let [width, height] = self.view.size.map(|side| side as usize);
+        let row = |y: usize| found[y * width..][..width].iter().chain(&other[y * width..][..width]);
+        let pixels = (0..height).flat_map(row).map(|&[r, g, b, _]| [r, g, b]).collect();
+        Picture { size: [2 * width as u32, height as u32], pixels, exposure: 0.9, caption: caption.into() }
+    }
+
+    /// Runs any technique over it: the picture.
+    pub fn composite(&mut self, how: &dyn OrderIndependent, pull: bool) -> shadowgraph::Result<Vec<[f32; 4]>> {
+        let mut graph = Graph::new("soup", self.gpu.caps());
+        let view = self.view;
+        let color = record(&mut graph, (&self.scene, view), pull, |graph, depth, blended, color| {
+            how.composite(graph, &view, depth, blended, color)
+        });
+        graph.capture("color", &color);
+        let plan = graph.compile(self.gpu).map_err(shadowgraph::Error::from)?;
+        texels(&self.executor.execute(&plan, graph)?, "color")
+    }
+}
+
+/// Opaque depth, the background, and what `composite` makes of the fragments.
+fn record<'f, T>(
+    graph: &mut Graph<'f>,
+    (scene, view): (&'f GpuScene, View),
+    pull_vertices: bool,
+    composite: impl FnOnce(&mut Graph<'f>, &ImageHandle, &Blended<'_, 'f>, ImageHandle) -> T,
+) -> T {
+    let lights: blocks::Lights = light_block(&[], &[]);
+    let lights = ForwardLights {
+        lights: &lights,
+        cascades: None,
+        spots: None,
+        deep: None,
+        sampler: map_sampler(),
+        environment: Vec3::ZERO,
+    };
+    let depth = DepthPrepass.record(graph, scene, &view);
+    let color = graph.image("color", ImageShape::new_2d(ash::vk::Format::R32G32B32A32_SFLOAT, view.size));
+    let color = graph.clear("background", color, ash::vk::ClearColorValue { float32: BACKGROUND });
+    let mut blended = Blended::new(graph, scene, view, &lights);
+    blended.pull_vertices |= pull_vertices;
+    composite(graph, &depth, &blended, color)
+}
+
+/// For the pages: what a technique makes of triangles, and beside it the exact picture.
+pub fn beside_exact(how: &dyn OrderIndependent, caption: &str) -> Picture {
+    let mut kitchen = Kitchen::new(shared(), &Soup::shown());
+    let exact = kitchen.composite(&ABuffer::default(), false).unwrap_or_else(|error| panic!("{error}"));
+    kitchen.side_by_side(how, &exact, caption)
+}
+
+fn texels<T: bytemuck::Pod>(executed: &Executed, name: &str) -> shadowgraph::Result<Vec<T>> {
+    executed.capture(name)?.texels()
+}
