@@ -6,7 +6,7 @@
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | [`capture`] | EXR, PNG and NPY writers |
+//! | [`capture`] | OpenEXR, flat and deep, PNG, NumPy, voxels; read-back |
 //! | [`frame`] | the assembled frame |
 //! | [`techniques`] | one folder each, in families |
 //! | [`scene`] | meshes, materials, lights, cameras, glTF, built-in scenes, GPU upload |
@@ -28,7 +28,8 @@
 //! let plan = graph.compile(&gpu)?;
 //! let executed = Executor::new(&gpu).execute(&plan, graph)?;
 //! println!("{} layers", frame.layers.len());
-//! let depth: Vec<f32> = executed.capture("position")?.texels()?;
+//! // World position, and distance along the view axis.
+//! let positions: Vec<[f32; 4]> = executed.capture("position")?.texels()?;
 //! # Ok(())
 //! # }
 //! ```

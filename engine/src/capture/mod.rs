@@ -1,7 +1,8 @@
 //! Pictures on disk: multi-part OpenEXR for data, PNG for looking at, NPY for arrays; and voxel grids.
 //!
-//! The writers work on plain host memory and know no device; [`FrameCapture`] fills them from a frame. A file appears whole or not at all: it is written
-//! under a temporary name in its own folder and renamed, and the same input gives the same bytes.
+//! The writers work on plain host memory and know no device; [`FrameCapture`] fills them from a frame. A file appears
+//! whole or not at all: it is written under a temporary name in its own folder and renamed, and the same input gives the
+//! same bytes.
 
 mod atomic;
 mod content;

@@ -180,7 +180,13 @@ impl Shadows {
     /// Says which lights the frame does not show as the scene asks.
     fn warn(&mut self, lights: &[Light]) {
         let without = lights.iter().zip(&self.of_lights).take(MAX_LIGHTS).filter(|(_, shadow)| shadow.is_none());
-        self.warnings.extend(without.map(|(light, _)| format!("light `{}` casts no shadow", light.name)));
+        let why = |light: &Light| match light.kind {
+            LightKind::Point { .. } => "a point light has one through voxels alone (`FrameSettings::voxels`, --voxels)",
+            LightKind::Directional { .. } => "only the first directional light has one",
+            LightKind::Spot { .. } => "only so many spots have one",
+        };
+        self.warnings
+            .extend(without.map(|(light, _)| format!("light `{}` casts no shadow: {}", light.name, why(light))));
         if lights.len() > MAX_LIGHTS {
             let dark = lights.len() - MAX_LIGHTS;
             self.warnings.push(format!("{dark} lights after the first {MAX_LIGHTS} do not shine"));

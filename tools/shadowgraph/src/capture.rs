@@ -31,6 +31,12 @@ pub fn run(arguments: &CaptureArguments, start: Start) -> Result<()> {
     for (option, path, end) in files {
         path.as_ref().map_or(Ok(()), |path| check_name(option, path, &[end]))?;
     }
+    if let (Some(output), Some(deep)) = (&arguments.output, &arguments.deep)
+        && output == deep
+    {
+        let message = format!("--deep {}: this is the file of --output too; give it another name", deep.display());
+        return Err(Failure::input(message));
+    }
     let mut phases = Phases::new(start);
     // 1. The scene, and the device meanwhile. Where the scene is bad, that is what there is to say.
     let (scene, gpu) = thread::scope(|scope| {

@@ -82,6 +82,13 @@ pub fn frame_settings(arguments: &FrameArguments, scene: &GpuScene, camera: &Cam
     })
 }
 
+/// Layers that a frame has with an option alone.
+const LAYERS_OF_OPTIONS: [(&str, &str); 3] = [
+    ("abuffer", "--transparency abuffer, where something is blended"),
+    ("ambient_occlusion", "--voxels"),
+    ("transmittance", "--deep-shadows, where something is blended"),
+];
+
 /// Records a frame. An unknown layer is bad usage, and the known ones are listed.
 pub fn record<'f>(settings: &FrameSettings, graph: &mut Graph<'f>, scene: &'f GpuScene) -> Result<Frame> {
     let frame = settings.record(graph, scene);
@@ -94,7 +101,12 @@ pub fn record<'f>(settings: &FrameSettings, graph: &mut Graph<'f>, scene: &'f Gp
             let mut every = Graph::new("every layer", graph.caps());
             let all = FrameSettings { layers: Selection::All, ..settings.clone() }.record(&mut every, scene);
             let names: Vec<_> = all.layers.iter().map(|layer| layer.name.as_str()).collect();
-            let message = format!("unknown layer {unknown:?}; this scene has {}", names.join(", "));
+            let first = unknown.split('.').next().unwrap_or_default();
+            let comes_with = LAYERS_OF_OPTIONS.iter().find(|(layer, _)| *layer == first);
+            let message = match comes_with {
+                Some((_, option)) => format!("no layer {unknown:?} here: it comes with {option}"),
+                None => format!("unknown layer {unknown:?}; this scene has {}", names.join(", ")),
+            };
             return Err(Failure::input(message));
         }
     }
@@ -146,7 +158,8 @@ pub struct Recipe {
     /// Texels a side.
     #[serde(skip_serializing_if = "Option::is_none")]
     deep_shadows: Option<u32>,
-    transparency: &'static str,
+    /// As the command line has it.
+    transparency: String,
     /// What it was set to, where it can be: layers kept, samples, number of the weight's equation.
     #[serde(skip_serializing_if = "Option::is_none")]
     transparency_setting: Option<u32>,
@@ -163,7 +176,7 @@ impl Recipe {
             voxels: settings.voxels.map(|voxels| voxels.resolution),
             float: arguments.float,
             deep_shadows: arguments.deep_shadows,
-            transparency: settings.composited_by().name(),
+            transparency: settings.composited_by().name().replace('_', "-"),
             transparency_setting: (arguments.kept.or(arguments.samples).or(arguments.weight))
                 .filter(|_| settings.composited_by() == settings.transparency),
         }

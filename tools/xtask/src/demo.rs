@@ -6,7 +6,8 @@ use crate::shell;
 use crate::workspace::{Workspace, make_folder};
 use std::time::Instant;
 
-const CAPTURE: &[&str] = &["capture", "builtin:courtyard", "--size", "1280x720", "--layers", "all"];
+const CAPTURE: &[&str] =
+    &["capture", "builtin:courtyard", "--size", "1280x720", "--layers", "all", "--transparency", "abuffer"];
 
 /// Sets up, builds, captures the courtyard, and says where the pictures are.
 pub fn demo(workspace: &Workspace) -> Result<()> {

@@ -34,6 +34,11 @@ pub fn open<'a>(path: &Path, bytes: &'a [u8]) -> Result<Container<'a>> {
     } else {
         (bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), None)
     };
+    // What does not even begin as one of the two is some other file.
+    if binary.is_none() && !text.trim_ascii_start().starts_with(b"{") {
+        let what = "is neither binary glTF (which begins with `glTF`) nor JSON; scenes are glTF 2.0, .gltf or .glb";
+        return Err(scene_error(path, "container", what));
+    }
     let text = std::str::from_utf8(text).map_err(|e| scene_error(path, "JSON", format!("not UTF-8: {e}")))?;
     let text = text.trim_end_matches('\0');
 

@@ -119,7 +119,7 @@ pub struct FrameArguments {
     /// otherwise 7
     #[arg(long, value_name = "EQUATION", value_parser = clap::value_parser!(u32).range(7..=10))]
     pub weight: Option<u32>,
-    /// Most memory for the layers of `--transparency abuffer`, in MiB; otherwise as much as the device gives. Where it is
+    /// Most memory for the layers of `--transparency abuffer`, of `--deep` and of `--deep-shadows`, in MiB; otherwise as much as the device gives. Where it is
     /// not enough, the picture is made in up to 64 bands, and where that is not enough either, the command fails and says
     /// how much would be
     #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..=1 << 30))]

@@ -12,14 +12,16 @@ use crate::arguments::{self, Resolution, SceneSource};
 /// Arguments of `voxelize`.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "\
-Writes a NumPy array of bytes, indexed [z,y,x], 1 where a voxel's centre is inside a solid (bitmask, stencil, \
-winding) or a triangle \
-touches the voxel (conservative, six-separating), and beside it a .json file \
-that says where the voxels are: voxel (i,j,k) has its centre at min + (i+1/2, j+1/2, k+1/2) * voxel_edge.
+A voxel is set where its centre is inside a solid (bitmask, stencil, winding), where a triangle touches it \
+(conservative), where it is needed to separate a surface's sides (six-separating), or where a texel of the surface's \
+atlas lies in it (atlas). Arrays are indexed [z,y,x]. Beside the file a .json says where the voxels are: voxel (i,j,k) \
+has its centre at min + (i+1/2, j+1/2, k+1/2) * voxel_edge.
 
 Examples:
   shadowgraph voxelize scene.glb --resolution 256 -o scene.npy
-  shadowgraph voxelize scene.glb --resolution 64,32,64 --min -1,0,-1 --edge 2 -o scene.npy --json")]
+  shadowgraph voxelize scene.glb --resolution 64,32,64 --min -1,0,-1 --edge 2 -o scene.npy --json
+  shadowgraph voxelize scene.glb --method conservative --attributes -o scene.vox
+  shadowgraph voxelize broken.glb --vote -o scene.binvox")]
 pub struct VoxelizeArguments {
     /// A .gltf or .glb file, or a built-in scene: builtin:NAME
     #[arg(value_parser = arguments::scene)]
