@@ -279,7 +279,8 @@ fn containers_are_checked() {
     kind[16] = b'X';
     assert!(load(&kind).unwrap_err().contains("the first chunk is not JSON"));
     assert!(load(b"{\"asset\": \xff\xfe}").unwrap_err().contains("not UTF-8"));
-    assert!(load(b"not json").unwrap_err().contains("JSON: expected"));
+    assert!(load(b"not json").unwrap_err().contains("neither binary glTF"));
+    assert!(load(b"{not json").unwrap_err().contains("JSON: key must be"));
     assert!(load(&b"[".repeat(100_000)).unwrap_err().contains("JSON"));
     assert!(load(b"").is_err());
     assert!(Scene::load(Path::new("no/such/file.glb")).unwrap_err().to_string().contains("no/such/file.glb"));

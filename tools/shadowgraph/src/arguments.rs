@@ -187,8 +187,8 @@ mod tests {
     #[test]
     fn resolutions() {
         assert_eq!("64".parse::<Resolution>().unwrap().0, [64; 3]);
-        assert_eq!("64, 1,1024".parse::<Resolution>().unwrap().0, [64, 1, 1024]);
-        for bad in ["", "0", "1025", "1,2", "1,2,3,4", "-1", "1.5", "a"] {
+        assert_eq!("64, 1,2048".parse::<Resolution>().unwrap().0, [64, 1, 2048]);
+        for bad in ["", "0", "2049", "1,2", "1,2,3,4", "-1", "1.5", "a"] {
             assert!(bad.parse::<Resolution>().unwrap_err().contains("64,32,64"), "{bad}");
         }
     }
