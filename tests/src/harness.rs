@@ -55,6 +55,12 @@ fn find_scene(folder: Option<PathBuf>, must: bool, relative: &str) -> Result<Pat
     Err(format!("scene {relative} is not in {}{by}", folder.display()))
 }
 
+/// Whether sweeps run whole, to their finest cases: in the long tests, and where they write the book's figures.
+pub fn is_whole() -> bool {
+    let is = |name: &str, not: &str| std::env::var_os(name).is_some_and(|value| value != not);
+    is("SHADOWGRAPH_LONG", "0") || is("SHADOWGRAPH_FIGURES", "")
+}
+
 /// Runs the body of test `name` in a process of its own, so that messages, leaks and environment are its alone, and
 /// gives back what it printed.
 ///

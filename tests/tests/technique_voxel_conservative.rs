@@ -45,7 +45,9 @@ fn voxel_conservative_agrees_with_its_reference() {
     let mut figures = Vec::new();
     for scene in surfaces() {
         let mut sum = 0;
-        for (resolution, axis) in [(32, Axis::X), (64, Axis::Y), (128, Axis::Z), (256, Axis::X)] {
+        // The finest only where the sweep runs whole.
+        let sweep = [(32, Axis::X), (64, Axis::Y), (128, Axis::Z), (256, Axis::X)];
+        for &(resolution, axis) in &sweep[..if harness::is_whole() { 4 } else { 3 }] {
             let grid = Grid::around(&bounds(&scene), resolution).unwrap();
             let [missed, far, set] = compare(&voxelize(gpu, &scene, &grid, axis), &scene);
             println!("{} at {resolution} along {axis:?}: {set} set, {missed} missed, {far} too many", scene.name);

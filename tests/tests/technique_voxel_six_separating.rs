@@ -41,7 +41,9 @@ fn voxel_six_separating_agrees_with_its_reference() {
     let mut figures = Vec::new();
     for scene in surfaces() {
         let (mut thin, mut thick) = (0, 0);
-        for (resolution, axis) in [(32, Axis::X), (64, Axis::Y), (128, Axis::Z), (256, Axis::X)] {
+        // The finest only where the sweep runs whole.
+        let sweep = [(32, Axis::X), (64, Axis::Y), (128, Axis::Z), (256, Axis::X)];
+        for &(resolution, axis) in &sweep[..if harness::is_whole() { 4 } else { 3 }] {
             let grid = Grid::around(&bounds(&scene), resolution).unwrap();
             let voxels = voxelize(gpu, &scene, &grid, axis, true);
             let [missed, far, set] = compare(&voxels, &scene);

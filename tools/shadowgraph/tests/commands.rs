@@ -392,7 +392,10 @@ fn glass_throws_coloured_shadows() {
     let file = fs::read(folder.path().join("out.exr")).unwrap();
     assert!(String::from_utf8_lossy(&file).contains("transmittance.sun.R"));
     // Without them there is no such layer.
-    is_refused(&[&courtyard[..], &["-o", "o.exr"]].concat(), "no layer \"transmittance\" here: it comes with --deep-shadows");
+    is_refused(
+        &[&courtyard[..], &["-o", "o.exr"]].concat(),
+        "no layer \"transmittance\" here: it comes with --deep-shadows",
+    );
     is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--deep-shadows", "4096"], "1..=2048");
 }
 
