@@ -28,7 +28,8 @@ fn compare(voxels: &Voxels, truth: &Scene, charts: Charts) -> [usize; 3] {
         }
         Charts::SecondUvs { side } => (twin::atlas::second_uvs(truth, grid, side.into()), side),
     };
-    let [must, may] = twin::atlas::voxels(&laid, side, grid.size());
+    let snap = twin::atlas::snap(shared().caps().limits.sub_pixel_bits);
+    let [must, may] = twin::atlas::voxels(&laid, side, grid.size(), snap);
     solids::mistakes(voxels, &must, &may)
 }
 

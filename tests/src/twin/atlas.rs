@@ -1,15 +1,18 @@
 //! Points of an atlas's texels, in double precision.
 //!
 //! - Grid coordinates as in [`super::voxel`]; a chart's coordinates count texels, whose centres are at halves.
-//! - A texel shows a triangle where its centre lies in the triangle's layout. A rasteriser snaps corners to 1/256 pixel:
-//!   nearer than [`SNAP`] to an edge a texel may or may not show it, and its point may be as far aside.
+//! - A texel shows a triangle where its centre lies in the triangle's layout. A rasteriser snaps corners, most to 1/256
+//!   pixel: nearer than [`snap`] to an edge a texel may or may not show it, and its point may be as far aside.
 
 use glam::{DVec2, DVec3};
 use shadowgraph::scene::Scene;
 use shadowgraph::techniques::voxel::Grid;
 
-/// In texels.
-pub const SNAP: f64 = 0.01;
+/// Of a rasteriser with so many bits below a pixel, in texels: twice what a corner moves, and a little.
+pub fn snap(sub_pixel_bits: u32) -> f64 {
+    2.56 / f64::from(1 << sub_pixel_bits)
+}
+
 /// Rounding of coordinates in single precision, in voxels.
 const ROUNDING: f64 = 2e-4;
 
@@ -64,26 +67,26 @@ pub fn second_uvs(scene: &Scene, grid: &Grid, side: f64) -> Vec<Laid> {
     laid
 }
 
-/// Voxels that must be set and that may be set by the points of an atlas of `side`² texels; `[z][y][x]`.
-pub fn voxels(laid: &[Laid], side: u32, size: [u32; 3]) -> [Vec<bool>; 2] {
+/// Voxels that must be set and that may be set by the points of an atlas of `side`² texels; `[z][y][x]`. `snap`: in texels.
+pub fn voxels(laid: &[Laid], side: u32, size: [u32; 3], snap: f64) -> [Vec<bool>; 2] {
     let count = size.iter().map(|&n| n as usize).product();
     let [mut must, mut may] = [vec![false; count], vec![false; count]];
     for triangle in laid {
         let [a, b, c] = triangle.chart;
-        let error = ROUNDING + SNAP * stretch(triangle);
+        let error = ROUNDING + snap * stretch(triangle, snap);
         let rows = |axis: usize| {
             let [least, most] = [a[axis].min(b[axis]).min(c[axis]), a[axis].max(b[axis]).max(c[axis])];
             let clamp = |value: f64| value.clamp(0.0, f64::from(side)) as u32;
-            clamp((least - SNAP - 0.5).ceil())..clamp((most + SNAP + 0.5).floor())
+            clamp((least - snap - 0.5).ceil())..clamp((most + snap + 0.5).floor())
         };
         for (x, y) in rows(1).flat_map(|y| rows(0).map(move |x| (x, y))) {
             let texel = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
             let inwards = from_edges(triangle, texel);
             // Beside the triangle, the nearest point of an edge.
-            let shown = if inwards > 0.0 { Some(within(triangle, texel)) } else { beside(triangle, texel) };
+            let shown = if inwards > 0.0 { Some(within(triangle, texel)) } else { beside(triangle, texel, snap) };
             let Some(point) = shown else { continue };
             mark(&mut may, size, point, error);
-            if inwards > SNAP && !triangle.doubtful && (point - error).floor() == (point + error).floor() {
+            if inwards > snap && !triangle.doubtful && (point - error).floor() == (point + error).floor() {
                 mark(&mut must, size, point, 0.0);
             }
         }
@@ -108,7 +111,7 @@ fn within(triangle: &Laid, texel: DVec2) -> DVec3 {
 }
 
 /// The point shown by an edge that passes a texel's centre near enough.
-fn beside(triangle: &Laid, texel: DVec2) -> Option<DVec3> {
+fn beside(triangle: &Laid, texel: DVec2, snap: f64) -> Option<DVec3> {
     let edges = [0, 1, 2].map(|i| {
         let [from, to] = [triangle.chart[i], triangle.chart[(i + 1) % 3]];
         let way = to - from;
@@ -116,12 +119,12 @@ fn beside(triangle: &Laid, texel: DVec2) -> Option<DVec3> {
         let along = along.clamp(0.0, 1.0);
         (from.lerp(to, along).distance(texel), triangle.corners[i].lerp(triangle.corners[(i + 1) % 3], along))
     });
-    let near = edges.into_iter().filter(|(distance, _)| *distance <= SNAP);
+    let near = edges.into_iter().filter(|(distance, _)| *distance <= snap);
     near.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, point)| point)
 }
 
 /// Voxels that a texel spans on a triangle, at most.
-fn stretch(triangle: &Laid) -> f64 {
+fn stretch(triangle: &Laid, snap: f64) -> f64 {
     let [a, b] = [triangle.chart[1] - triangle.chart[0], triangle.chart[2] - triangle.chart[0]];
     let [p, q] = [triangle.corners[1] - triangle.corners[0], triangle.corners[2] - triangle.corners[0]];
     let area = a.perp_dot(b);
@@ -130,7 +133,7 @@ fn stretch(triangle: &Laid) -> f64 {
     // further than the triangle is long.
     let longest = p.length().max(q.length());
     let root = (u.length_squared() + v.length_squared()).sqrt();
-    if root.is_finite() { root.min(longest / SNAP) } else { longest / SNAP }
+    if root.is_finite() { root.min(longest / snap) } else { longest / snap }
 }
 
 /// Marks every voxel that is so near to a point.
