@@ -97,7 +97,7 @@ pub fn publish(gpu: &Gpu, family: &str, name: &str, figures: &[Figure], picture:
     let page = folder.join(format!("{name}.md"));
     let by = format!("technique_{family}_{name}");
     let text = fs::read_to_string(&page).unwrap_or_else(|error| panic!("cannot read {}: {error}", page.display()));
-    if std::env::var("SHADOWGRAPH_FIGURES").is_ok_and(|wish| wish == "write") {
+    if harness::writes_figures() {
         assert!(harness::scenes().is_some(), "without the folder of scenes, rows of the pages would be lost");
         let picture = picture.map(|picture| (link(name, picture), write_picture(&folder, name, picture)));
         let block = block(&gpu.caps().title(), figures, picture.as_ref().map(|(link, _)| link.as_str()));
@@ -116,7 +116,7 @@ pub fn publish_page(page: &str, test: &str, source: &str, figures: &[Figure]) {
     }
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/src").join(page);
     let text = fs::read_to_string(&page).unwrap_or_else(|error| panic!("cannot read {}: {error}", page.display()));
-    if std::env::var("SHADOWGRAPH_FIGURES").is_ok_and(|wish| wish == "write") {
+    if harness::writes_figures() {
         let text = replaced(&text, test, &block(source, figures, None))
             .unwrap_or_else(|why| panic!("{}: {why}", page.display()));
         fs::write(&page, text).unwrap_or_else(|error| panic!("cannot write {}: {error}", page.display()));
@@ -127,14 +127,14 @@ pub fn publish_page(page: &str, test: &str, source: &str, figures: &[Figure]) {
 
 /// With `SHADOWGRAPH_FIGURES=write`, writes a picture into the book: `NAME.png` in a folder below `docs/src`.
 pub fn publish_picture(folder: &str, name: &str, picture: &Picture) {
-    if std::env::var("SHADOWGRAPH_FIGURES").is_ok_and(|wish| wish == "write") {
+    if harness::writes_figures() {
         write_picture(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/src").join(folder), name, picture);
     }
 }
 
 /// With `SHADOWGRAPH_FIGURES=write`, writes a plot into the book: `NAME.svg` in a folder below `docs/src`.
 pub fn publish_plot(folder: &str, name: &str, plot: &LogPlot) {
-    if std::env::var("SHADOWGRAPH_FIGURES").is_ok_and(|wish| wish == "write") {
+    if harness::writes_figures() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/src").join(folder).join(format!("{name}.svg"));
         fs::write(&path, plot.svg()).unwrap_or_else(|error| panic!("cannot write {}: {error}", path.display()));
     }

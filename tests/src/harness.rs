@@ -55,10 +55,19 @@ fn find_scene(folder: Option<PathBuf>, must: bool, relative: &str) -> Result<Pat
     Err(format!("scene {relative} is not in {}{by}", folder.display()))
 }
 
-/// Whether sweeps run whole, to their finest cases: in the long tests, and where they write the book's figures.
+/// Whether this is the long run, `cargo xtask test --long`.
+pub fn is_long() -> bool {
+    std::env::var_os("SHADOWGRAPH_LONG").is_some_and(|value| value != "0")
+}
+
+/// Whether tests write the book's figures.
+pub fn writes_figures() -> bool {
+    std::env::var_os("SHADOWGRAPH_FIGURES").is_some_and(|wish| wish == "write")
+}
+
+/// Whether sweeps run whole, to their finest cases: in the long run, and where they write the book's figures.
 pub fn is_whole() -> bool {
-    let is = |name: &str, not: &str| std::env::var_os(name).is_some_and(|value| value != not);
-    is("SHADOWGRAPH_LONG", "0") || is("SHADOWGRAPH_FIGURES", "")
+    is_long() || writes_figures()
 }
 
 /// Runs the body of test `name` in a process of its own, so that messages, leaks and environment are its alone, and

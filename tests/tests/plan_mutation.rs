@@ -11,6 +11,7 @@ use shadowgraph::graph::description::{Access, Description};
 use shadowgraph::graph::plan::{Barriers, Hazard, Plan, Reason, plan};
 use shadowgraph::graph::report::text;
 use shadowgraph_tests::figures::{Figure, publish_page};
+use shadowgraph_tests::harness;
 use shadowgraph_tests::hazard::{MadeUpDevice, check, greedy_calls, recipes};
 
 /// The same graphs in every run.
@@ -25,10 +26,6 @@ fn graphs(count: usize, passes: usize) -> Vec<(Description, MadeUpDevice, Plan)>
         (description, device, plan)
     };
     (0..count).map(|_| graph()).collect()
-}
-
-fn long() -> bool {
-    std::env::var_os("SHADOWGRAPH_LONG").is_some_and(|value| value != "0")
 }
 
 /// Every place of a plan that holds barriers.
@@ -190,7 +187,7 @@ fn barrier_calls() -> Figure {
 
 #[test]
 fn barriers_are_few_and_their_bits_are_needed() {
-    let count = if long() { 2_000 } else { 300 };
+    let count = if harness::is_long() { 2_000 } else { 300 };
     let (mut minimal, mut minimal_bits) = (0, 0);
     let mut spare: BTreeMap<String, usize> = BTreeMap::new();
     let mut barriers = 0;

@@ -12,12 +12,12 @@ use shadowgraph::graph::description::{
 };
 use shadowgraph::graph::plan::{End, Segment, plan, segment};
 use shadowgraph::graph::report::text;
+use shadowgraph_tests::harness;
 use shadowgraph_tests::hazard::{Recipe, check, check_frames, check_segments, recipes};
 
 /// Random graphs, in the default run and with `SHADOWGRAPH_LONG=1`.
 fn cases(few: u32, many: u32) -> Config {
-    let long = std::env::var_os("SHADOWGRAPH_LONG").is_some_and(|value| value != "0");
-    Config { cases: if long { many } else { few }, failure_persistence: None, ..Config::default() }
+    Config { cases: if harness::is_long() { many } else { few }, failure_persistence: None, ..Config::default() }
 }
 
 /// Plans each random graph and holds the plan against the rules.

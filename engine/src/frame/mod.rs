@@ -13,6 +13,7 @@ pub use layers::{ABUFFER_REPORT, Deep, Layer, Samples, Selection, Source};
 pub use voxels::VoxelVisibility;
 
 use self::shadows::{SpotMaps, SunShadow};
+use self::voxels::Marching;
 use crate::graph::{BufferHandle, Graph, ImageHandle};
 use crate::scene::{AlphaMode, DrawClass, GpuScene, View, light_block};
 use crate::techniques::shading::lighting::{Lighting, LightingInput};
@@ -156,11 +157,20 @@ impl FrameSettings {
 
         // 2. Lights: maps and masks of those that cast shadows.
         let receivers = Receivers { view, depth: &surfaces.depth, ids: &surfaces.ids };
-        let occluders = self.voxels.map(|voxels| voxels.occluders(graph, scene)).transpose();
-        let (occluders, why_not) = occluders.map_or_else(|error| (None, Some(error)), |occluders| (occluders, None));
-        let marched = self.voxels.zip(occluders.as_ref());
-        let mut shadows = self.shadows(graph, scene, &receivers, marched.map(|marched| (marched, &position)));
-        shadows.warnings.extend(why_not.map(|error| format!("there are no voxels: {error}")));
+        let mut warnings = Vec::new();
+        let seen_through = self.voxels.and_then(|voxels| match voxels.occluders(graph, scene) {
+            Ok(occluders) => Some((voxels, occluders)),
+            Err(error) => {
+                warnings.push(format!("there are no voxels: {error}"));
+                None
+            }
+        });
+        let marching = seen_through.as_ref().map(|(voxels, occluders)| Marching {
+            technique: voxels.shadows,
+            occluders,
+            position: &position,
+        });
+        let shadows = self.shadows(graph, scene, &receivers, marching.as_ref());
         let lights = light_block(&scene.lights, &shadows.of_lights);
 
         // 3. Camera: shading of the opaque surfaces, then blended ones over them.
@@ -202,15 +212,15 @@ impl FrameSettings {
         // 4. Captures.
         captured.frame(graph, &color, &lit.direct, &position, &surfaces);
         captured.shadows(graph, scene, &shadows);
-        if let Some((VoxelVisibility { occlusion, .. }, occluders)) = marched {
-            let open = occlusion.record(graph, occluders, &position, &surfaces.ids);
+        if let Some((voxels, occluders)) = &seen_through {
+            let open = voxels.occlusion.record(graph, occluders, &position, &surfaces.ids);
             captured.occlusion(graph, &open);
         }
         if let Some(layers) = &layers {
             captured.abuffer(graph, layers);
         }
         let deep = self.deep.then(|| Deep { abuffer: layers.map(|layers| layers.made_by) });
-        let mut warnings = shadows.warnings;
+        warnings.extend(shadows.warnings);
         warnings.extend(self.unshown(scene));
         Frame { layers: captured.layers, deep, warnings }
     }

@@ -2,7 +2,8 @@
 
 use ash::vk;
 
-use super::{FrameSettings, VoxelVisibility};
+use super::FrameSettings;
+use super::voxels::Marching;
 use crate::geometry::Aabb;
 use crate::graph::{Graph, ImageHandle, ImageShape, Load};
 use crate::scene::{DrawClass, GpuScene, Light, LightKind, LightShadow, MAX_LIGHTS, View, depth};
@@ -14,17 +15,16 @@ use crate::techniques::shadow::marched;
 use crate::techniques::shadow::spot::{MAX_SPOTS, Spot, SpotShadows};
 use crate::techniques::transparency::abuffer::{ABuffer, MOST_LAYERS, NodeFormat, SortedLists};
 use crate::techniques::transparency::casters::Casters;
-use crate::techniques::voxel::Occluders;
 
 impl FrameSettings {
-    /// Shadow maps of the first directional light and of the spots, rays to point lights where there are voxels (with
-    /// positions of pixels), and one image with a mask a layer.
+    /// Shadow maps of the first directional light and of the spots, rays to point lights where there are voxels, and one
+    /// image with a mask a layer.
     pub(super) fn shadows<'f>(
         &self,
         graph: &mut Graph<'f>,
         scene: &'f GpuScene,
         receivers: &Receivers,
-        marched: Option<((VoxelVisibility, &Occluders), &ImageHandle)>,
+        marching: Option<&Marching>,
     ) -> Shadows {
         let lights = &scene.lights;
         let sun = lights.iter().enumerate().find_map(|(i, light)| match light.kind {
@@ -32,7 +32,7 @@ impl FrameSettings {
             LightKind::Point { .. } | LightKind::Spot { .. } => None,
         });
         let spots: Vec<usize> = (0..lights.len()).filter(|&i| Spot::serves(&lights[i])).take(MAX_SPOTS).collect();
-        let is_point = |&i: &usize| marched.is_some() && matches!(lights[i].kind, LightKind::Point { .. });
+        let is_point = |&i: &usize| marching.is_some() && matches!(lights[i].kind, LightKind::Point { .. });
         let points: Vec<usize> = (0..lights.len()).filter(is_point).take(marched::MAX_LIGHTS).collect();
         let blocks = [u32::from(sun.is_some()), spots.len() as u32, points.len() as u32];
         let count = blocks.iter().sum();
@@ -78,7 +78,7 @@ impl FrameSettings {
             written.push(masks);
             shadows.spots = Some(SpotMaps { maps, parameters, taps });
         }
-        if let Some(((VoxelVisibility { shadows: technique, .. }, occluders), position)) = marched
+        if let Some(Marching { technique, occluders, position }) = marching
             && let Some(masks) = masks.next()
         {
             let lights: Vec<&Light> = points.iter().map(|&i| &lights[i]).collect();

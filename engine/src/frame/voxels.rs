@@ -1,7 +1,7 @@
 //! What a frame makes of the scene's voxels.
 
 use crate::Result;
-use crate::graph::Graph;
+use crate::graph::{Graph, ImageHandle};
 use crate::scene::GpuScene;
 use crate::techniques::shadow::marched::Marched;
 use crate::techniques::voxel::ambient_occlusion::AmbientOcclusion;
@@ -17,6 +17,14 @@ pub struct VoxelVisibility {
     pub shadows: Marched,
     /// Layer `ambient_occlusion`.
     pub occlusion: AmbientOcclusion,
+}
+
+/// What rays to lights are marched with.
+pub(super) struct Marching<'h> {
+    pub(super) technique: Marched,
+    pub(super) occluders: &'h Occluders,
+    /// World positions of pixels.
+    pub(super) position: &'h ImageHandle,
 }
 
 impl VoxelVisibility {

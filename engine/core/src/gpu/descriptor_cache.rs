@@ -34,6 +34,11 @@ struct Made {
 }
 
 impl DescriptorCache {
+    /// Whether it is of this device.
+    pub(crate) fn is_from(&self, gpu: &Gpu) -> bool {
+        std::sync::Arc::ptr_eq(self.arena.device(), &gpu.device)
+    }
+
     /// Begins a frame. The device is done with all sets that were given for earlier ones.
     pub fn begin_frame(&mut self) {
         self.frame += 1;

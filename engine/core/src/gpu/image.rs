@@ -172,9 +172,9 @@ impl Image {
         Err(self.invalid(why))
     }
 
-    /// See [`super::Gpu::device_number`].
-    pub(crate) fn device_number(&self) -> usize {
-        Arc::as_ptr(&self.0.device).addr()
+    /// Whether it is of this device.
+    pub(crate) fn is_from(&self, gpu: &super::Gpu) -> bool {
+        self.is_of(&gpu.device)
     }
 
     pub(super) fn is_of(&self, device: &Arc<Device>) -> bool {

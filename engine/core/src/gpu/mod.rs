@@ -87,16 +87,6 @@ impl Gpu {
         self.device.validated
     }
 
-    /// Which device this is, among those that are alive.
-    pub(crate) fn device_number(&self) -> usize {
-        Arc::as_ptr(&self.device).addr()
-    }
-
-    /// Whether what has this number is of this device.
-    pub(crate) fn is_device(&self, number: usize) -> bool {
-        self.device_number() == number
-    }
-
     /// The device, for recording and for what is not wrapped.
     pub fn raw(&self) -> &ash::Device {
         &self.device.raw

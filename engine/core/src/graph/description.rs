@@ -46,13 +46,15 @@ impl Description {
     pub(super) fn fingerprint(&self) -> u64 {
         let Self { name: _, resources, versions, passes, roots, checkpoints } = self;
         let mut hasher = FxHasher::default();
-        [resources.len(), versions.len(), passes.len(), roots.len(), checkpoints.len()].hash(&mut hasher);
+        [resources.len(), passes.len(), roots.len(), checkpoints.len()].hash(&mut hasher);
+        versions.hash(&mut hasher);
         resources.iter().for_each(|Resource { name: _, shape, origin }| (shape, origin).hash(&mut hasher));
-        for Pass { name: _, queue, uses, side_effect: _ } in passes {
-            (queue, uses.len()).hash(&mut hasher);
+        for Pass { name: _, queue, uses, side_effect } in passes {
+            (queue, uses.len(), side_effect.is_some()).hash(&mut hasher);
             uses.iter().for_each(|used| (used.version, used.makes, used.reads, used.access).hash(&mut hasher));
         }
         roots.iter().for_each(|root| (root.version, root.read_back).hash(&mut hasher));
+        checkpoints.iter().for_each(|checkpoint| (checkpoint.root, checkpoint.passes).hash(&mut hasher));
         hasher.finish()
     }
 }
@@ -257,7 +259,7 @@ impl Shape {
 }
 
 /// The contents of (a part of) a resource at one point of the frame.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Hash)]
 pub struct Version {
     /// Whose contents.
     pub resource: ResourceId,
@@ -268,7 +270,7 @@ pub struct Version {
 }
 
 /// Where a version's contents come from.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Hash)]
 pub enum Source {
     /// At the start of the frame: undefined for a transient, kept for an imported resource.
     Initial,

@@ -4,7 +4,7 @@
 use super::{Axis, Grid, surface};
 use crate::Result;
 use crate::graph::RasterPass;
-use crate::scene::GpuScene;
+use crate::scene::{Faces, GpuScene};
 use crate::shader::generated::blocks;
 use crate::shader::generated::voxel::conservative::cover_vert;
 
@@ -23,4 +23,12 @@ pub(super) fn bind(pass: &mut RasterPass, scene: &GpuScene, grid: &Grid, axis: A
         .constant(cover_vert::INDICES, &scene.indices)
         .constant(cover_vert::POSITIONS, &scene.positions);
     Ok(())
+}
+
+/// Draws every triangle, and ends the pass.
+pub(super) fn draw<'f>(pass: RasterPass<'_, 'f>, scene: &'f GpuScene) {
+    pass.draw(move |recorder| {
+        scene.draw_pulled(recorder, Faces::Both, scene.draws.draws());
+        Ok(())
+    });
 }

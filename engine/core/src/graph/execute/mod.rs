@@ -72,8 +72,6 @@ pub struct Prepared<'f> {
     queries: Queries,
     /// Number of its first pass in the whole frame.
     first_pass: u32,
-    /// The device that it is of: see [`Gpu::is_device`].
-    device: usize,
     /// Descriptor sets point into it, and at what is bound.
     _kept: (Option<Buffer>, Arc<Vec<Bound>>),
 }
@@ -248,7 +246,7 @@ impl<'g> Executor<'g> {
     /// # Errors
     /// As [`Executor::execute`]; [`Error::Invalid`] for a frame of another device.
     pub fn run(&mut self, prepared: &mut Prepared) -> Result<Executed> {
-        if !self.gpu.is_device(prepared.device) {
+        if !prepared.descriptors.is_from(self.gpu) {
             let why = "was prepared for another device; prepare it by the executor that runs it";
             return Err(Error::invalid(format!("graph `{}`", prepared.description.name), why));
         }
@@ -325,7 +323,6 @@ impl<'g> Executor<'g> {
             timer,
             queries,
             first_pass,
-            device: self.gpu.device_number(),
             _kept,
         })
     }

@@ -58,30 +58,28 @@ pub(super) fn image_info<'a>(name: &'a str, shape: &ImageShape, usage: vk::Image
 /// Whether imported images and buffers were made for what passes do to them, on this device.
 pub(super) fn check_imports(gpu: &Gpu, plan: &Plan, graph: &Graph) -> Result<()> {
     for (index, external) in graph.external.iter().enumerate() {
-        let lacks = match (external, plan.usages.get(index).copied().flatten()) {
-            (Some(External::Image(image)), Some(Usage::Image(needed))) => {
-                let lacks = needed & !image.info().usage;
-                (!lacks.is_empty()).then(|| format!("{lacks:?}"))
-            }
-            (Some(External::Buffer(buffer)), Some(Usage::Buffer(needed))) => {
-                let lacks = needed & !buffer.usage();
-                (!lacks.is_empty()).then(|| format!("{lacks:?}"))
-            }
-            _ => None,
-        };
+        let Some(external) = external else { continue };
         let name = &graph.description.resources[index].name;
-        if let Some(lacks) = lacks {
-            let why = format!("is used as {lacks}, which it was not made for: add that to its usage");
-            return Err(Error::invalid(format!("import `{name}`"), why));
-        }
         let is_ours = match external {
-            Some(External::Image(image)) => gpu.is_device(image.device_number()),
-            Some(External::Buffer(buffer)) => gpu.is_device(buffer.device_number()),
-            None => true,
+            External::Image(image) => image.is_from(gpu),
+            External::Buffer(buffer) => buffer.is_from(gpu),
         };
         if !is_ours {
             return Err(Error::invalid(format!("import `{name}`"), "is of another device"));
         }
+        let has = match external {
+            External::Image(image) => Usage::Image(image.info().usage),
+            External::Buffer(buffer) => Usage::Buffer(buffer.usage()),
+        };
+        let lacks = match (has, plan.usages[index]) {
+            (Usage::Image(has), Some(Usage::Image(needed))) if !has.contains(needed) => format!("{:?}", needed & !has),
+            (Usage::Buffer(has), Some(Usage::Buffer(needed))) if !has.contains(needed) => {
+                format!("{:?}", needed & !has)
+            }
+            _ => continue,
+        };
+        let why = format!("is used as {lacks}, which it was not made for: add that to its usage");
+        return Err(Error::invalid(format!("import `{name}`"), why));
     }
     Ok(())
 }

@@ -6,8 +6,8 @@
 use super::ranks::Ranks;
 use super::{Axis, Grid, VoxelBits, cover};
 use crate::Result;
-use crate::graph::{BufferHandle, Graph, RasterPass};
-use crate::scene::{Faces, GpuScene};
+use crate::graph::{BufferHandle, Graph};
+use crate::scene::GpuScene;
 use crate::shader::Program;
 use crate::shader::generated::voxel::bricks::{thin_frag, touched_frag};
 use crate::shader::generated::voxel::conservative::{cover_frag, cover_vert};
@@ -65,7 +65,7 @@ impl Bricks {
         let mut pass = graph.raster("voxel.bricks.cover", vec![program]);
         cover::bind(&mut pass, scene, &coarse, axis, SPARE)?;
         let bits = pass.write(cover_frag::BITS, bits);
-        draw(pass, scene);
+        cover::draw(pass, scene);
         let coarse = VoxelBits { bits, grid: coarse, axis };
         // 2. A place for each.
         let Ranks { firsts, told, .. } = Ranks::record(graph, "voxel.bricks", &coarse)?;
@@ -81,16 +81,9 @@ impl Bricks {
         cover::bind(&mut pass, scene, grid, Axis::Z, 0.0)?;
         pass.read(touched_frag::BITS, &coarse.bits).read(touched_frag::FIRSTS, &firsts);
         let bricks = pass.write(touched_frag::BRICKS, bricks);
-        draw(pass, scene);
+        cover::draw(pass, scene);
         Ok(BrickBits { grid: *grid, coarse, firsts, bricks })
     }
-}
-
-fn draw<'f>(pass: RasterPass<'_, 'f>, scene: &'f GpuScene) {
-    pass.draw(move |recorder| {
-        scene.draw_pulled(recorder, Faces::Both, scene.draws.draws());
-        Ok(())
-    });
 }
 
 /// Names of the captures.

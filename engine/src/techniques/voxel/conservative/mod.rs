@@ -8,7 +8,7 @@ use super::{Axis, Grid, Surfaces, VoxelBits, cover, surface};
 use crate::Result;
 use crate::geometry::Aabb;
 use crate::graph::Graph;
-use crate::scene::{Faces, GpuScene};
+use crate::scene::GpuScene;
 use crate::shader::Program;
 use crate::shader::generated::voxel::conservative::{cover_frag, cover_vert, large_comp, small_comp};
 
@@ -58,10 +58,7 @@ impl Conservative {
         let mut pass = graph.raster("voxel.surface.cover", vec![program]);
         cover::bind(&mut pass, scene, &grid, axis, 0.0)?;
         let bits = pass.write(cover_frag::BITS, bits);
-        pass.draw(move |recorder| {
-            scene.draw_pulled(recorder, Faces::Both, scene.draws.draws());
-            Ok(())
-        });
+        cover::draw(pass, scene);
         Ok(VoxelBits { bits, grid, axis })
     }
 
