@@ -114,6 +114,8 @@ struct Frame<'f> {
     queries: Vec<Asked>,
     /// How many passes the segments before had.
     first_pass: u32,
+    /// By pass of the whole frame, whether it runs. Nothing for a frame of one segment.
+    live: Vec<bool>,
 }
 
 /// A segment that has run.
@@ -204,7 +206,7 @@ impl<'g> Executor<'g> {
         self.histories.take(self.gpu, &histories, &mut external)?;
         let arena = self.arena_of_this_frame(&arena.bytes)?;
         let (work, memory, bound) = (work.into_iter(), Resources(external), Arc::new(bound));
-        let mut frame = Frame { work, bound, memory, arena, queries, first_pass: 0 };
+        let mut frame = Frame { work, bound, memory, arena, queries, first_pass: 0, live: Vec::new() };
         if description.checkpoints.is_empty() {
             let (ran, description) = self.run_once(description, plan, &mut frame)?;
             self.histories.keep(histories, plan, &frame.memory.0);
@@ -236,7 +238,7 @@ impl<'g> Executor<'g> {
         resources::check_turns(plan, &description)?;
         let arena = self.arena(&arena.bytes)?;
         let (work, memory, bound) = (work.into_iter(), Resources(external), Arc::new(bound));
-        let mut frame = Frame { work, bound, memory, arena, queries, first_pass: 0 };
+        let mut frame = Frame { work, bound, memory, arena, queries, first_pass: 0, live: Vec::new() };
         let descriptors = self.gpu.descriptor_cache(&description.name);
         self.ready(description, plan, &mut frame, descriptors)
     }
@@ -250,7 +252,7 @@ impl<'g> Executor<'g> {
             let why = "was prepared for another device; prepare it by the executor that runs it";
             return Err(Error::invalid(format!("graph `{}`", prepared.description.name), why));
         }
-        Ok(self.record_and_wait(prepared)?.into())
+        Ok(self.record_and_wait(prepared, [])?.into())
     }
 
     /// Runs a frame, or a segment of one, once; gives the description back.
@@ -259,7 +261,9 @@ impl<'g> Executor<'g> {
         let descriptors = self.descriptors.take().unwrap_or_else(|| self.gpu.descriptor_cache("passes"));
         let mut prepared = self.ready(description, plan, frame, descriptors)?;
         let readying = start.elapsed();
-        let ran = self.record_and_wait(&mut prepared)?;
+        let later = frame.live.iter().skip(frame.first_pass as usize);
+        let later = frame.work.as_slice().iter().zip(later).filter_map(|(work, &live)| live.then_some(work));
+        let ran = self.record_and_wait(&mut prepared, later)?;
         (self.descriptors, frame.memory) = (Some(prepared.descriptors), prepared.memory);
         Ok((Ran { recording: ran.recording + readying, ..ran }, prepared.description))
     }
@@ -327,7 +331,12 @@ impl<'g> Executor<'g> {
         })
     }
 
-    fn record_and_wait(&mut self, prepared: &mut Prepared) -> Result<Ran> {
+    /// `later`: what segments after this one do. Their pipelines are made while the device is busy.
+    fn record_and_wait<'w, 'f: 'w>(
+        &mut self,
+        prepared: &mut Prepared,
+        later: impl IntoIterator<Item = &'w Work<'f>>,
+    ) -> Result<Ran> {
         // 1. Host buffers for what is read back; queries begin anew.
         let start = Instant::now();
         let Prepared { description, steps, work, barriers, programs, memory, timer, queries, first_pass, .. } =
@@ -376,7 +385,11 @@ impl<'g> Executor<'g> {
         let recording = start.elapsed();
         let submitted = Instant::now();
         let token = self.gpu.submit(commands)?;
+        let mut wanted = Vec::new();
+        later.into_iter().for_each(|work| work.pipelines(&mut wanted));
+        let made = self.pipelines.all(self.gpu, &wanted);
         self.gpu.wait(token)?;
+        made?;
         let running = submitted.elapsed();
         let name = |step: &Task| match step {
             Task::Pass { pass, .. } => description.passes[*pass as usize].name.to_string(),
