@@ -37,7 +37,7 @@ use ash::vk::ImageLayout as Layout;
 use rustc_hash::FxHashMap;
 
 use self::barriers::Context;
-use self::dependencies::{Dependencies, events};
+use self::dependencies::{Dependencies, Events};
 use self::history::History;
 use self::queues::{Families, RoundTrip};
 use self::versions::Versions;
@@ -62,23 +62,28 @@ struct Chosen {
     /// By pass.
     live: Vec<bool>,
     culled: Vec<(PassId, CullReason)>,
-    /// Who waits for whom, where that is known.
-    dependencies: Option<Dependencies>,
+    /// What happens to each cell.
+    events: Events,
+    /// Who waits for whom.
+    dependencies: Dependencies,
 }
 
 fn choose(description: &Description, device: &dyn DeviceModel) -> Result<Chosen, GraphErrors> {
     // 1. Find everything that is wrong.
-    let (versions, dependencies) = validate::validate(description, device)?;
+    let (versions, mut events, mut dependencies) = validate::validate(description, device)?;
 
     // 2. Leave out what no root and no side effect needs.
     let (live, culled) = cull::cull(description, &versions);
     cull::check_kept(description, &versions, &live)?;
-    let dependencies = culled.is_empty().then_some(dependencies);
-    Ok(Chosen { versions, live, culled, dependencies })
+    if !culled.is_empty() {
+        events.retain(|node| live.get(node as usize).is_none_or(|live| *live));
+        dependencies = Dependencies::new(&events, description.passes.len() + description.roots.len());
+    }
+    Ok(Chosen { versions, live, culled, events, dependencies })
 }
 
 fn plan_chosen(description: &Description, chosen: Chosen, device: &dyn DeviceModel) -> Result<Plan, GraphErrors> {
-    let Chosen { versions, live, culled, dependencies } = chosen;
+    let Chosen { versions, live, culled, events, dependencies } = chosen;
 
     // 3. What each resource is used for, and the memory it takes.
     let usages = usage::usages(description, &live);
@@ -86,8 +91,6 @@ fn plan_chosen(description: &Description, chosen: Chosen, device: &dyn DeviceMod
     let bytes: Vec<u64> = requirements.iter().map(|needs| needs.map_or(0, |needs| needs.size.max(1))).collect();
 
     // 4. Put passes and read-backs in order.
-    let nodes = description.passes.len() + description.roots.len();
-    let dependencies = dependencies.unwrap_or_else(|| Dependencies::new(&events(description, &versions, &live), nodes));
     let order = order::order(description, &dependencies, &live, &bytes);
 
     // 5. Give each a queue.
@@ -95,7 +98,7 @@ fn plan_chosen(description: &Description, chosen: Chosen, device: &dyn DeviceMod
     let schedule = queues::assign(description, &versions, order, &families);
 
     // 6. What happens to each cell, and when each resource is alive.
-    let history = History::new(description, &versions, &schedule);
+    let history = History::new(description, &versions, events, &schedule);
     let crossings = barriers::crossings(&history, versions.cells.len(), schedule.nodes.len());
     let lifetimes = lifetimes::Lifetimes::new(description, &versions, &history, &schedule, &crossings);
 
