@@ -24,6 +24,11 @@ impl At {
         At(step as u32 + 1)
     }
 
+    /// Its number among all moments of a frame of so many steps.
+    pub(super) fn place(self, steps: usize) -> usize {
+        (self.0 as usize).min(steps + 1)
+    }
+
     /// The step, where it is one.
     pub(super) fn index(self) -> Option<usize> {
         (self != At::START && self != At::END).then(|| self.0 as usize - 1)

@@ -9,6 +9,7 @@ mod device;
 mod gather;
 mod history;
 mod lifetimes;
+mod memo;
 mod order;
 mod output;
 mod pack;
@@ -34,11 +35,11 @@ pub(super) use segments::{first_segment, states};
 pub(super) use versions::held_at_the_end;
 
 use ash::vk::ImageLayout as Layout;
-use rustc_hash::FxHashMap;
 
 use self::barriers::Context;
 use self::dependencies::{Dependencies, Events};
 use self::history::History;
+use self::memo::Memo;
 use self::queues::{Families, RoundTrip};
 use self::versions::Versions;
 use super::description::{Access, Description, Origin, PassId, Queue, ResourceId, Shape};
@@ -99,7 +100,7 @@ fn plan_chosen(description: &Description, chosen: Chosen, device: &dyn DeviceMod
 
     // 6. What happens to each cell, and when each resource is alive.
     let history = History::new(description, &versions, events, &schedule);
-    let crossings = barriers::crossings(&history, versions.cells.len(), schedule.nodes.len());
+    let crossings = barriers::crossings(&history, versions.cells.len(), &schedule);
     let lifetimes = lifetimes::Lifetimes::new(description, &versions, &history, &schedule, &crossings);
 
     // 7. Give transients their memory.
@@ -115,11 +116,11 @@ fn plan_chosen(description: &Description, chosen: Chosen, device: &dyn DeviceMod
         families,
     };
     let (mut pending, reliances) = barriers::pending(&context, &placed);
-    let takers = context.takers(&pending);
+    let takers = context.takers(&pending.list);
     gather::gather(&mut pending, &schedule, &crossings, &takers);
     let mut batches = queues::batches(&schedule, crossings, &takers);
     let (held, trips) = queues::narrow(&mut batches, &schedule, &reliances);
-    let chained = barriers::chain(&context, &mut pending, &held);
+    let chained = barriers::chain(&context, &mut pending.list, &held);
     let steps = (0..schedule.nodes.len())
         .map(|step| Step { work: schedule.work(step), queue: schedule.queues[step], barriers: Barriers::default() })
         .collect();
@@ -163,13 +164,11 @@ fn requirements(
     let mut errors = Vec::new();
     let mut all = Vec::with_capacity(usages.len());
     // A device is asked once for resources that are alike.
-    let mut known: FxHashMap<(&Shape, Usage), Requirements> = FxHashMap::default();
+    let mut known: Memo<(&Shape, Usage), Requirements> = Memo::new();
     for (resource, usage) in description.resources.iter().zip(usages) {
         let usage = usage.filter(|_| resource.origin == Origin::Transient);
-        let needs = usage.map(|usage| {
-            let alike = known.entry((&resource.shape, usage));
-            *alike.or_insert_with(|| device.requirements(&resource.shape, usage))
-        });
+        let needs = usage
+            .map(|usage| known.get((&resource.shape, usage), || (device.requirements(&resource.shape, usage), true)));
         if let Some(Requirements { size, alignment, .. }) = needs
             && size.max(alignment) > MOST_BYTES
         {
@@ -188,19 +187,22 @@ fn requirements(
 }
 
 /// Puts each barrier before its step, at the end of its batch, or at the end of the frame.
-fn attach(plan: &mut Plan, context: &Context, pending: &[barriers::Pending]) {
-    let mut batch_of = vec![0; plan.steps.len()];
-    for (index, batch) in plan.batches.iter().enumerate() {
+fn attach(plan: &mut Plan, context: &Context, pending: &barriers::AllPending) {
+    let mut batch_of = vec![0; if plan.is_single_queue() { 0 } else { plan.steps.len() }];
+    for (index, batch) in plan.batches.iter().enumerate().skip(1) {
         batch.steps.iter().for_each(|&step| batch_of[step] = index);
     }
     let mut alike = Vec::new();
-    for place in pending.chunk_by(|a, b| (a.at, a.release) == (b.at, b.release)) {
-        let barriers = match (place[0].release, place[0].at.index()) {
-            (true, step) => &mut plan.batches[step.map_or(0, |step| batch_of[step])].release,
+    for place in pending.order.chunk_by(|&a, &b| pending.place(a) == pending.place(b)) {
+        let (at, release) = pending.place(place[0]);
+        let barriers = match (release, at.index()) {
+            (true, step) => {
+                &mut plan.batches[step.and_then(|step| batch_of.get(step)).copied().unwrap_or(0)].release
+            }
             (false, Some(step)) => &mut plan.steps[step].barriers,
             (false, None) => &mut plan.finally,
         };
-        barriers::together(context, place, &mut alike, barriers);
+        barriers::together(context, &pending.list, place, &mut alike, barriers);
     }
 }
 

@@ -7,10 +7,10 @@ mod uses;
 mod versions;
 
 use ash::vk::ImageUsageFlags;
-use rustc_hash::FxHashMap;
 
 use super::DeviceModel;
 use super::dependencies::{Dependencies, Events};
+use super::memo::Memo;
 use super::versions::{Versions, wholes};
 use crate::graph::description::{Description, Pass, ResourceId, Shape};
 use crate::graph::errors::{ErrorKind, GraphError, GraphErrors};
@@ -38,7 +38,7 @@ pub(super) fn validate(
 
     // 4. Passes, use by use and two by two.
     let allowed = allowed(description, device);
-    let mut fine = uses::Fine::default();
+    let mut fine = uses::Fine::new();
     for pass in &description.passes {
         uses::pass(&mut errors, &versions, pass, &allowed, &mut fine);
         uses::pairs(&mut errors, &versions, pass);
@@ -57,10 +57,10 @@ pub(super) fn validate(
 
 /// By resource: what the device allows its format to be used for; each format is asked for once.
 fn allowed(description: &Description, device: &dyn DeviceModel) -> Vec<ImageUsageFlags> {
-    let mut known = FxHashMap::default();
+    let mut known = Memo::new();
     let resources = description.resources.iter();
     let usages = resources.map(|resource| match &resource.shape {
-        Shape::Image(shape) => *known.entry(shape.format).or_insert_with(|| device.image_usages(shape.format)),
+        Shape::Image(shape) => known.get(shape.format, || (device.image_usages(shape.format), true)),
         Shape::Buffer { .. } => ImageUsageFlags::empty(),
     });
     usages.collect()

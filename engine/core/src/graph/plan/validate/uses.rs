@@ -2,18 +2,17 @@
 
 use ash::vk::{self, AccessFlags2 as Mask, PipelineStageFlags2 as Stages};
 
-use rustc_hash::FxHashSet;
-
 use super::{Errors, Place};
 use crate::graph::description::{Access, ImageShape, Pass, Queue, Range, Shape, Use};
 use crate::graph::errors::ErrorKind;
 use crate::graph::plan::Usage;
+use crate::graph::plan::memo::Memo;
 use crate::graph::plan::usage::{COMPUTE_STAGES, KINDS, Kind, ON_BUFFERS, ON_IMAGES, TRANSFER_STAGES, usage_of};
 use crate::graph::plan::versions::Versions;
 
 /// Accesses that were looked at and are fine, with all that this depends on: most passes do what others do. `None`: of a
 /// buffer.
-pub(super) type Fine = FxHashSet<(Access, bool, Queue, Option<(vk::ImageAspectFlags, vk::ImageUsageFlags)>)>;
+pub(super) type Fine = Memo<(Access, bool, Queue, Option<(vk::ImageAspectFlags, vk::ImageUsageFlags)>), ()>;
 
 /// A pass does something, and each of its uses can be.
 pub(super) fn pass(
@@ -49,20 +48,17 @@ pub(super) fn pass(
             _ => None,
         };
         let key = (used.access, used.makes.is_some(), pass.queue, image_of.map(|(_, aspects)| (aspects, allowed)));
-        if fine.contains(&key) {
-            continue;
-        }
-        let before = errors.list.len();
-        writes(errors, place, used);
-        match image_of {
-            Some((shape, aspects)) => image(errors, place, shape, aspects, used, allowed),
-            None => buffer(errors, place, used),
-        }
-        stages(errors, place, used);
-        queue(errors, place, pass.queue, used);
-        if errors.list.len() == before {
-            fine.insert(key);
-        }
+        fine.get(key, || {
+            let before = errors.list.len();
+            writes(errors, place, used);
+            match image_of {
+                Some((shape, aspects)) => image(errors, place, shape, aspects, used, allowed),
+                None => buffer(errors, place, used),
+            }
+            stages(errors, place, used);
+            queue(errors, place, pass.queue, used);
+            ((), errors.list.len() == before)
+        });
     }
 }
 
