@@ -22,7 +22,7 @@ pub(super) struct Pending {
     /// The last use that it stands behind.
     pub(super) behind: At,
     /// First and end of the reliances on semaphores that it is chained to.
-    relies: [usize; 2],
+    relies: [u32; 2],
     kind: Kind,
 }
 
@@ -60,7 +60,7 @@ impl AllPending {
 pub(super) fn chain(context: &Context, pending: &mut [Pending], held: &[Stages]) -> Vec<ResourceId> {
     let mut chained = Vec::new();
     for barrier in pending.iter_mut() {
-        let [first, end] = barrier.relies;
+        let [first, end] = barrier.relies.map(|place| place as usize);
         if let Some(held) = held.get(first..end).filter(|held| !held.is_empty()) {
             barrier.kind.from.stages = held.iter().fold(barrier.kind.from.stages, |all, &stages| both(all, stages));
             chained.push(context.resource(barrier));
@@ -178,7 +178,7 @@ impl Found {
     /// The last barrier is chained to the reliances from this one on.
     fn chained_from(&mut self, first: usize) {
         if let Some(barrier) = self.pending.last_mut() {
-            barrier.relies = [first, self.reliances.len()];
+            barrier.relies = [first as u32, self.reliances.len() as u32];
         }
     }
 
@@ -268,7 +268,7 @@ impl Found {
             let to = Access { layout: to.layout, ..Access::NONE };
             self.push(prev.last, true, Kind { to, ..kind });
         }
-        let unseen = if next.reads { unseen(next.queue, &to, visible) } else { Access::NONE };
+        let unseen = |visible: &[Seen]| if next.reads { unseen(next.queue, &to, visible) } else { Access::NONE };
         if synced {
             // The semaphore made everything visible. What stands here has to come behind it.
             if transition || ownership.is_some() {
@@ -285,7 +285,9 @@ impl Found {
         } else if transition || prev.write {
             self.push(next.first, false, kind);
             visible.clear();
-        } else if !unseen.mask.is_empty() {
+        } else if let unseen = unseen(visible)
+            && !unseen.mask.is_empty()
+        {
             // Made available by what made the earlier readers see it. A writer waits for those in all of its stages.
             let others = if next.write { without(to.stages, with_later(set(unseen.stages))) } else { Stages::NONE };
             let to = Access { stages: unseen.stages | earliest(others), ..unseen };

@@ -26,7 +26,7 @@ mod versions;
 pub use apart::{Apart, apart};
 pub use device::{DeviceModel, Requirements, Usage};
 pub use output::{
-    Barriers, Batch, BufferBarrier, End, Heap, ImageBarrier, Lifetime, MemoryBarrier, Ownership, Placement, Plan,
+    Barriers, Batch, BufferBarrier, End, Heap, ImageBarrier, ImageBarriers, Lifetime, MemoryBarrier, Ownership, Placement, Plan,
     Statistics, Step, Wait, Work,
 };
 pub use reason::{CullReason, Hazard, Reason};
