@@ -136,13 +136,16 @@ impl Collected {
 
     pub(super) fn finish(self, graph: &mut Graph) -> (Name, Range<usize>) {
         for (binding, file) in self.shaders.bindings() {
-            let count = graph.bound[self.first_bound..].iter().filter(|bound| bound.binding == binding.binding).count();
+            let mine = graph.bound[self.first_bound..].iter();
+            let count = mine.fold(0, |count, bound| count + u32::from(bound.binding == binding.binding));
             if count != 1 {
                 let wrong = format!("is bound {count} times; {file} has it");
                 graph.mistake(Some(&self.name), Some(binding.name), wrong, "once".into());
             }
         }
-        graph.queries.extend(self.counted.into_iter().map(|kind| Asked { pass: self.pass, kind }));
+        if !self.counted.is_empty() {
+            graph.queries.extend(self.counted.into_iter().map(|kind| Asked { pass: self.pass, kind }));
+        }
         (self.name, self.first_bound..graph.bound.len())
     }
 }

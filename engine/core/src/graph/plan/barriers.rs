@@ -337,13 +337,7 @@ pub(super) type Alike = Vec<(Kind, Vec<u32>)>;
 
 /// Puts barriers of one place together: cells that share one become ranges. `place`: their numbers among all.
 /// `alike`: room for what is alike.
-pub(super) fn together(
-    context: &Context,
-    all: &[Pending],
-    place: &[u32],
-    alike: &mut Alike,
-    barriers: &mut Barriers,
-) {
+pub(super) fn together(context: &Context, all: &[Pending], place: &[u32], alike: &mut Alike, barriers: &mut Barriers) {
     let resource_of = |&index: &u32| context.resource(&all[index as usize]);
     for chunk in place.chunk_by(|a, b| resource_of(a) == resource_of(b)) {
         let resource = resource_of(&chunk[0]);

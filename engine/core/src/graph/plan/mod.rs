@@ -26,8 +26,8 @@ mod versions;
 pub use apart::{Apart, apart};
 pub use device::{DeviceModel, Requirements, Usage};
 pub use output::{
-    Barriers, Batch, BufferBarrier, End, Heap, ImageBarrier, ImageBarriers, Lifetime, MemoryBarrier, Ownership, Placement, Plan,
-    Statistics, Step, Wait, Work,
+    Barriers, Batch, BufferBarrier, End, Heap, ImageBarrier, ImageBarriers, Lifetime, MemoryBarrier, Ownership,
+    Placement, Plan, Statistics, Step, Wait, Work,
 };
 pub use reason::{CullReason, Hazard, Reason};
 pub use segments::{Segment, segment};
@@ -196,9 +196,7 @@ fn attach(plan: &mut Plan, context: &Context, pending: &barriers::AllPending) {
     for place in pending.order.chunk_by(|&a, &b| pending.place(a) == pending.place(b)) {
         let (at, release) = pending.place(place[0]);
         let barriers = match (release, at.index()) {
-            (true, step) => {
-                &mut plan.batches[step.and_then(|step| batch_of.get(step)).copied().unwrap_or(0)].release
-            }
+            (true, step) => &mut plan.batches[step.and_then(|step| batch_of.get(step)).copied().unwrap_or(0)].release,
             (false, Some(step)) => &mut plan.steps[step].barriers,
             (false, None) => &mut plan.finally,
         };
