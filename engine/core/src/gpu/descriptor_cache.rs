@@ -19,7 +19,12 @@ const KEPT_FRAMES: u64 = 4;
 /// objects are gone is not asked for again, and is written anew once it has not been used for some frames.
 pub struct DescriptorCache {
     arena: DescriptorArena,
-    made: FxHashMap<Box<[u64]>, Made>,
+    made: Vec<Made>,
+    /// Places among those made, by what they hold.
+    known: FxHashMap<Box<[u64]>, usize>,
+    /// Places that were asked for in this frame, in order. A frame mostly asks for what the last one did.
+    asked: Vec<usize>,
+    asked_before: Vec<usize>,
     /// Sets that can be written anew, by their layout.
     free: FxHashMap<vk::DescriptorSetLayout, Vec<vk::DescriptorSet>>,
     frame: u64,
@@ -28,6 +33,7 @@ pub struct DescriptorCache {
 }
 
 struct Made {
+    key: Box<[u64]>,
     set: vk::DescriptorSet,
     layout: vk::DescriptorSetLayout,
     last_used: u64,
@@ -42,14 +48,18 @@ impl DescriptorCache {
     /// Begins a frame. The device is done with all sets that were given for earlier ones.
     pub fn begin_frame(&mut self) {
         self.frame += 1;
-        let Self { made, free, frame, .. } = self;
-        made.retain(|_, made| {
-            let stays = made.last_used + KEPT_FRAMES > *frame;
-            if !stays {
-                free.entry(made.layout).or_default().push(made.set);
-            }
-            stays
-        });
+        std::mem::swap(&mut self.asked, &mut self.asked_before);
+        self.asked.clear();
+        let is_old = |made: &Made| made.last_used + KEPT_FRAMES <= self.frame;
+        if !self.made.iter().any(is_old) {
+            return;
+        }
+        for made in self.made.extract_if(.., |made| is_old(made)) {
+            self.free.entry(made.layout).or_default().push(made.set);
+        }
+        self.asked_before.clear();
+        self.known.clear();
+        self.known.extend(self.made.iter().enumerate().map(|(place, made)| (made.key.clone(), place)));
     }
 
     /// The set that holds this, for set number `set` of `pipeline`; as [`Gpu::descriptor_set`]. It can be used in this
@@ -62,7 +72,10 @@ impl DescriptorCache {
         self.key.clear();
         self.key.extend([pipeline.id(), u64::from(set)]);
         descriptors.iter().for_each(|(binding, points)| push(&mut self.key, *binding, points));
-        if let Some(made) = self.made.get_mut(&self.key[..]) {
+        let guess = self.asked_before.get(self.asked.len()).filter(|&&place| *self.made[place].key == *self.key);
+        if let Some(&place) = guess.or_else(|| self.known.get(&self.key[..])) {
+            self.asked.push(place);
+            let made = &mut self.made[place];
             made.last_used = self.frame;
             return Ok(made.set);
         }
@@ -77,7 +90,10 @@ impl DescriptorCache {
             None => self.arena.allocate(&who, layout)?,
         };
         writes.write(self.arena.device(), raw);
-        self.made.insert(self.key[..].into(), Made { set: raw, layout: layout.raw(), last_used: self.frame });
+        let (key, place) = (Box::<[u64]>::from(&self.key[..]), self.made.len());
+        self.known.insert(key.clone(), place);
+        self.asked.push(place);
+        self.made.push(Made { key, set: raw, layout: layout.raw(), last_used: self.frame });
         Ok(raw)
     }
 }
@@ -146,7 +162,10 @@ impl Gpu {
     pub fn descriptor_cache(&self, name: &str) -> DescriptorCache {
         DescriptorCache {
             arena: self.descriptor_arena(name),
-            made: FxHashMap::default(),
+            made: Vec::new(),
+            known: FxHashMap::default(),
+            asked: Vec::new(),
+            asked_before: Vec::new(),
             free: FxHashMap::default(),
             frame: 0,
             key: Vec::new(),

@@ -43,7 +43,7 @@ pub(super) fn are_distinct<'a>(names: impl Iterator<Item = &'a Name> + Clone) ->
     ascend(names.clone()) || {
         let mut known = FxHashSet::default();
         known.reserve(names.size_hint().0);
-        names.into_iter().all(|name| known.insert(name))
+        names.into_iter().all(|name| known.insert(name.parts()))
     }
 }
 

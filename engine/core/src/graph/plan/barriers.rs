@@ -342,11 +342,10 @@ pub(super) fn together(context: &Context, all: &[Pending], place: &[u32], alike:
     for chunk in place.chunk_by(|a, b| resource_of(a) == resource_of(b)) {
         let resource = resource_of(&chunk[0]);
         if context.versions.cells.of(resource).len() == 1 {
-            let kinds = chunk.iter().map(|&index| &all[index as usize].kind);
-            let whole = context.versions.cells.whole(resource);
-            for (index, kind) in kinds.clone().enumerate() {
-                if !kinds.clone().take(index).any(|known| known == kind) {
-                    add(context, resource, kind, std::iter::once(whole), barriers);
+            let kind = |index: u32| &all[index as usize].kind;
+            for (place, &index) in chunk.iter().enumerate() {
+                if !chunk[..place].iter().any(|&known| kind(known) == kind(index)) {
+                    add(context, resource, kind(index), context.versions.cells.whole(resource), barriers);
                 }
             }
             continue;
@@ -359,19 +358,16 @@ pub(super) fn together(context: &Context, all: &[Pending], place: &[u32], alike:
             }
         }
         for (kind, cells) in &*alike {
-            add(context, resource, kind, context.versions.cells.ranges(cells).into_iter(), barriers);
+            let ranges = context.versions.cells.ranges(cells);
+            // One for all memory does for all parts.
+            let count = if kind.scope == Scope::Memory { 1 } else { ranges.len() };
+            ranges.into_iter().take(count).for_each(|range| add(context, resource, kind, range, barriers));
         }
     }
 }
 
-/// Adds Vulkan's barriers for some ranges of a resource.
-fn add(
-    context: &Context,
-    resource: ResourceId,
-    kind: &Kind,
-    ranges: impl Iterator<Item = Range>,
-    barriers: &mut Barriers,
-) {
+/// Adds Vulkan's barrier for a range of a resource.
+fn add(context: &Context, resource: ResourceId, kind: &Kind, range: Range, barriers: &mut Barriers) {
     let Kind { scope, from, to, ownership, hazard, before, after } = *kind;
     let work = |at: At| at.index().map(|step| context.schedule.work(step));
     let reason = Reason { hazard, resource: Some(resource), before: work(before), after: work(after) };
@@ -379,13 +375,9 @@ fn add(
         Scope::Memory => barriers.memory.push(MemoryBarrier { from, to, reason }),
         Scope::Resource if context.is_image(resource) => {
             let follows = Access::NONE;
-            let barrier = |range| ImageBarrier { resource, range, from, follows, to, ownership, reason };
-            barriers.images.extend(ranges.map(barrier));
+            barriers.images.push(ImageBarrier { resource, range, from, follows, to, ownership, reason });
         }
-        Scope::Resource => {
-            let barrier = |range| BufferBarrier { resource, range, from, to, ownership, reason };
-            barriers.buffers.extend(ranges.map(barrier));
-        }
+        Scope::Resource => barriers.buffers.push(BufferBarrier { resource, range, from, to, ownership, reason }),
     }
 }
 

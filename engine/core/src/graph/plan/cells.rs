@@ -60,7 +60,7 @@ impl Cells {
             grids: Vec::new(),
             resource: Vec::with_capacity(resources),
             first_slot: Vec::with_capacity(versions + 1),
-            slot_cells: Vec::with_capacity(versions),
+            slot_cells: Vec::new(),
         };
         let mut parts = parts.chunk_by(|a, b| a.0 == b.0).peekable();
         cells.first.push(0);
@@ -79,15 +79,17 @@ impl Cells {
 
         // 3. Slots of each version.
         cells.first_slot.push(0);
+        let mut slot_cells = Vec::with_capacity(versions);
         for (version, broken) in description.versions.iter().zip(broken) {
             if !broken {
-                let mut slot_cells = std::mem::take(&mut cells.slot_cells);
-                cells.cover(version.resource, version.range, &mut slot_cells);
-                cells.slot_cells = slot_cells;
+                match cells.of(version.resource) {
+                    one if one.len() == 1 => slot_cells.push(one.start),
+                    _ => cells.cover(version.resource, version.range, &mut slot_cells),
+                }
             }
-            cells.first_slot.push(cells.slot_cells.len() as u32);
+            cells.first_slot.push(slot_cells.len() as u32);
         }
-        cells
+        Self { slot_cells, ..cells }
     }
 
     /// All of a resource.

@@ -34,6 +34,8 @@ pub use segments::{Segment, segment};
 pub(super) use segments::{first_segment, states};
 pub(super) use versions::held_at_the_end;
 
+use std::hash::{Hash, Hasher};
+
 use ash::vk::ImageLayout as Layout;
 
 use self::barriers::Context;
@@ -164,11 +166,14 @@ fn requirements(
     let mut errors = Vec::new();
     let mut all = Vec::with_capacity(usages.len());
     // A device is asked once for resources that are alike.
-    let mut known: Memo<(&Shape, Usage), Requirements> = Memo::new();
+    let mut known: Memo<Alike, Requirements> = Memo::new();
     for (resource, usage) in description.resources.iter().zip(usages) {
         let usage = usage.filter(|_| resource.origin == Origin::Transient);
-        let needs = usage
-            .map(|usage| known.get((&resource.shape, usage), || (device.requirements(&resource.shape, usage), true)));
+        let shape = &resource.shape;
+        let needs = usage.map(|usage| {
+            let ask = || (device.requirements(shape, usage), true);
+            known.get(Alike { shape, usage }, ask)
+        });
         if let Some(Requirements { size, alignment, .. }) = needs
             && size.max(alignment) > MOST_BYTES
         {
@@ -184,6 +189,23 @@ fn requirements(
         all.push(needs);
     }
     if errors.is_empty() { Ok(all) } else { Err(GraphErrors { graph: description.name.clone(), errors }) }
+}
+
+/// What the memory that a resource takes follows from.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct Alike<'a> {
+    shape: &'a Shape,
+    usage: Usage,
+}
+
+impl Hash for Alike<'_> {
+    /// Sizes alone tell most resources apart.
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        state.write_u64(match self.shape {
+            Shape::Image(shape) => u64::from(shape.extent[0]) << 32 | u64::from(shape.format.as_raw() as u32),
+            Shape::Buffer { size } => *size,
+        });
+    }
 }
 
 /// Puts each barrier before its step, at the end of its batch, or at the end of the frame.

@@ -79,8 +79,10 @@ struct Lives {
 impl Lives {
     fn new(blocks: &[Block]) -> Self {
         let [mut begin, mut end] = [0, 1].map(|side| BySteps::new(blocks, |block| block.steps[side]));
-        begin.sort_by_size(blocks);
-        end.sort_by_size(blocks);
+        if blocks.iter().any(|block| block.size != blocks[0].size) {
+            begin.sort_by_size(blocks);
+            end.sort_by_size(blocks);
+        }
         Self { begin, end }
     }
 }

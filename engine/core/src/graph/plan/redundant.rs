@@ -279,6 +279,9 @@ impl<'a> Ordered<'a> {
     }
 
     fn apply(&mut self, from: Stages, to: Stages, step: u32) {
+        if from.is_empty() {
+            return;
+        }
         let (from, to) = (with_earlier(set(from)), with_later(set(to)));
         for other in self.for_all.iter_mut().filter(|other| other.step < step && other.behind & from != 0) {
             other.more |= to;

@@ -108,12 +108,14 @@ pub(super) fn versions(errors: &mut Errors, wholes: &[Range]) -> Vec<bool> {
     let mut broken = vec![false; description.versions.len()];
     let mut initial = vec![0; description.resources.len()];
     let makers = makers(description);
+    // A shape that holds nothing was told before.
+    let shapes_are_right = errors.list.is_empty();
     for (index, version) in description.versions.iter().enumerate() {
         let count = errors.list.len();
         let resource = version.resource.0 as usize;
         if let Some(whole) = wholes.get(resource) {
             let is_whole = version.range == *whole;
-            if !is_whole || whole.amount() == 0 {
+            if !(is_whole && shapes_are_right) {
                 range(errors, version, whole);
             }
             if version.source == Source::Initial {
@@ -186,8 +188,11 @@ fn made_from(errors: &mut Errors, index: usize, version: &Version, source: Versi
         let wrong = format!("version {index} is made from version {} of `{other}`", source.0);
         return errors.add(ErrorKind::BadVersion, place, wrong, "a version is made from versions of its own resource");
     }
+    if version.range == from.range {
+        return;
+    }
     let (wrong, allowed) = match version.source {
-        Source::Pass { .. } | Source::Fork { .. } if version.range != from.range => {
+        Source::Pass { .. } | Source::Fork { .. } => {
             ("does not cover", "a written or forked version covers what it is made from")
         }
         Source::Split { .. } if !holds(&from.range, &version.range) => ("is split from", "a part lies in its whole"),
