@@ -442,7 +442,7 @@ impl<'g> Executor<'g> {
 
 /// Whether a plan can be executed for a graph.
 fn check(gpu: &Gpu, plan: &Plan, graph: &Graph) -> Result<()> {
-    if plan.fingerprint != graph.description.fingerprint() {
+    if plan.fingerprint != graph.fingerprint() {
         let why = "was compiled from another graph: compile the one that is executed, after its last pass is recorded";
         return Err(Error::invalid(format!("the plan for graph `{}`", graph.description.name), why));
     }

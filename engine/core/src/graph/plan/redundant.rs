@@ -55,14 +55,94 @@ fn tenants(images: &mut [ImageBarrier], memory: &mut Vec<MemoryBarrier>) {
     memory.retain(|barrier| !(is_tenant(&barrier.reason) && barrier.from.mask.is_empty() && transitions(barrier)));
 }
 
-/// What is ordered on one queue: before any later work in stage `b` begins, `done[b][a] - 1` steps, from the queue's
-/// first on, have all their work in stage `a` done, and where it is not 0, so has what came before the frame.
+/// What is ordered on one queue.
 pub(super) struct Ordered<'a> {
     /// Images with barriers whose first stages are chained to semaphores, ascending.
     chained: &'a [ResourceId],
-    done: [[u32; COUNT]; COUNT],
+    done: Done,
     /// The last barriers for all memory.
     for_all: VecDeque<ForAll>,
+}
+
+/// By two stages `b` and `a`, `d`: before any later work in `b` begins, `d - 1` steps, from the queue's first on, have all
+/// their work in `a` done, and where `d` is not 0, so has what came before the frame.
+#[derive(Default)]
+struct Done {
+    now: Table,
+    /// Rows as they were before the call of barriers looked at, of those that it changed.
+    before: Table,
+    changed: Set,
+    /// Stages `a` that any barrier waited for yet.
+    waited_for: Set,
+}
+
+type Table = [[u32; COUNT]; COUNT];
+
+impl Done {
+    /// Begins with another call of barriers.
+    fn begin(&mut self) {
+        self.changed = 0;
+    }
+
+    /// The row of a stage before this call.
+    fn before(&self, b: usize) -> &[u32; COUNT] {
+        if self.changed >> b & 1 == 0 { &self.now[b] } else { &self.before[b] }
+    }
+
+    /// A barrier between these stages, each with those that its scopes have too, behind so many steps.
+    fn barrier(&mut self, from: Set, to: Set, step: u32) {
+        self.waited_for |= from;
+        let mut chained = [0; COUNT];
+        for via in members(from) {
+            let known = self.before(via);
+            members(self.waited_for).for_each(|a| chained[a] = known[a].max(chained[a]));
+        }
+        members(from).for_each(|a| chained[a] = step + 1);
+        for b in members(to) {
+            if self.changed >> b & 1 == 0 {
+                self.changed |= 1 << b;
+                self.before[b] = self.now[b];
+            }
+            let row = &mut self.now[b];
+            members(self.waited_for).for_each(|a| row[a] = row[a].max(chained[a]));
+        }
+    }
+
+    /// So many steps are done before these stages begin.
+    fn steps(&mut self, to: Set, steps: u32) {
+        self.waited_for = (1 << COUNT) - 1;
+        for b in members(to) {
+            self.now[b].iter_mut().for_each(|done| *done = (*done).max(steps + 1));
+        }
+    }
+
+    /// The first stages that some second stage does not wait for yet, up to the place `last`.
+    fn missing(&self, from: Stages, to: Stages, last: u32) -> Stages {
+        let to = set(to);
+        let ordered = |a: &usize| members(to).all(|b| self.now[b][*a] > last);
+        without(from, members(set(from)).filter(|&a| a < COUNT - 1).filter(ordered).fold(0, |done, a| done | 1 << a))
+    }
+
+    /// First stages without those that come before another one of them, which stays, up to the place `last`.
+    fn unchained(&self, from: Stages, last: u32) -> Stages {
+        let (mut left, mut stays) = (from, Stages::NONE);
+        if from.as_raw().is_power_of_two() {
+            return from;
+        }
+        for stage in bits(from.as_raw()).map(Stages::from_raw) {
+            let ordered = |other: &Stages| {
+                let behind = with_earlier(set(*other));
+                let chained = |a: usize| a < COUNT - 1 && members(behind).any(|b| self.before(b)[a] > last);
+                members(set(stage)).all(chained)
+            };
+            let mut others = bits((left & !stage).as_raw()).map(Stages::from_raw);
+            if let Some(other) = others.find(ordered).filter(|_| !stays.contains(stage)) {
+                left &= !stage;
+                stays |= other;
+            }
+        }
+        left
+    }
 }
 
 /// How many barriers for all memory are remembered: bounds the cost of frames with many.
@@ -81,7 +161,7 @@ struct ForAll {
 
 impl<'a> Ordered<'a> {
     pub(super) fn new(chained: &'a [ResourceId]) -> Self {
-        Self { chained, done: [[0; COUNT]; COUNT], for_all: VecDeque::new() }
+        Self { chained, done: Done::default(), for_all: VecDeque::new() }
     }
 
     /// Takes out what follows from other barriers, and remembers what the rest orders. `step`: how many steps of the
@@ -89,59 +169,75 @@ impl<'a> Ordered<'a> {
     /// before the frame.
     pub(super) fn filter(&mut self, barriers: &mut Barriers, step: u32, last: impl Fn(Option<Work>) -> Option<u32>) {
         let Barriers { images, buffers, memory } = barriers;
-        let done = self.done;
-        let chained = |from: &mut Access, before: Option<Work>| {
-            if let Some(before) = last(before).filter(|_| from.mask.is_empty()) {
-                from.stages = unchained(&done, from.stages, before);
+        self.done.begin();
+
+        // 1. First stages that come before others of the same barrier anyway.
+        let unchain = |done: &Done, from: &mut Access, before: Option<Work>| {
+            if from.mask.is_empty()
+                && let Some(before) = last(before)
+            {
+                from.stages = done.unchained(from.stages, before);
             }
         };
-        let free = images.iter_mut().filter(|barrier| self.chained.binary_search(&barrier.resource).is_err());
-        free.for_each(|barrier| chained(&mut barrier.from, barrier.reason.before));
-        buffers.iter_mut().for_each(|barrier| chained(&mut barrier.from, barrier.reason.before));
-        let known = |from: &mut Access, to: &Access, before: Option<Work>| {
-            !from.mask.is_empty() && last(before).is_some_and(|before| self.made_available(from, to, before))
-        };
-        memory.retain_mut(|barrier| !known(&mut barrier.from, &barrier.to, barrier.reason.before));
-        images.retain_mut(|barrier| {
-            if barrier.from.layout != barrier.to.layout {
-                barrier.follows = barrier.from;
-            }
-            !known(&mut barrier.from, &barrier.to, barrier.reason.before) || barrier.ownership.is_some()
+        for barrier in images.iter_mut().filter(|barrier| self.chained.binary_search(&barrier.resource).is_err()) {
+            unchain(&self.done, &mut barrier.from, barrier.reason.before);
+        }
+        buffers.iter_mut().for_each(|barrier| unchain(&self.done, &mut barrier.from, barrier.reason.before));
+
+        // 2. What earlier barriers for all memory made available and visible.
+        images.iter_mut().filter(|barrier| barrier.from.layout != barrier.to.layout).for_each(|barrier| {
+            barrier.follows = barrier.from;
         });
-        buffers.retain_mut(|barrier| {
-            !known(&mut barrier.from, &barrier.to, barrier.reason.before) || barrier.ownership.is_some()
-        });
-        tenants(images, memory);
-        subsumed(memory);
-        let covered = |from: &Access, to: &Access, ownership: &Option<Ownership>| {
-            let same = from.layout == to.layout && ownership.is_none();
-            same && memory.iter().any(|barrier| holds(&barrier.from, from) && holds(&barrier.to, to))
-        };
-        images.retain(|barrier| !covered(&barrier.from, &barrier.to, &barrier.ownership));
-        buffers.retain(|barrier| !covered(&barrier.from, &barrier.to, &barrier.ownership));
+        if !self.for_all.is_empty() {
+            let known = |from: &mut Access, to: &Access, before: Option<Work>| {
+                !from.mask.is_empty() && last(before).is_some_and(|before| self.made_available(from, to, before))
+            };
+            memory.retain_mut(|barrier| !known(&mut barrier.from, &barrier.to, barrier.reason.before));
+            images.retain_mut(|barrier| {
+                !known(&mut barrier.from, &barrier.to, barrier.reason.before) || barrier.ownership.is_some()
+            });
+            buffers.retain_mut(|barrier| {
+                !known(&mut barrier.from, &barrier.to, barrier.reason.before) || barrier.ownership.is_some()
+            });
+        }
+
+        // 3. What barriers for all memory of this call do as well.
+        if !memory.is_empty() {
+            tenants(images, memory);
+            subsumed(memory);
+            let covered = |from: &Access, to: &Access, ownership: &Option<Ownership>| {
+                let same = from.layout == to.layout && ownership.is_none();
+                same && memory.iter().any(|barrier| holds(&barrier.from, from) && holds(&barrier.to, to))
+            };
+            images.retain(|barrier| !covered(&barrier.from, &barrier.to, &barrier.ownership));
+            buffers.retain(|barrier| !covered(&barrier.from, &barrier.to, &barrier.ownership));
+        }
+
+        // 4. What the rest orders. Most barriers of a call order alike, and nothing comes of the second.
         let mut applied = Default::default();
         let mut apply = |from: &Access, to: &Access| {
             let stages = (from.stages, to.stages);
-            // Most barriers of a call order alike, and nothing comes of the second.
             if std::mem::replace(&mut applied, stages) != stages {
-                self.apply(&done, from.stages, to.stages, step);
+                self.apply(from.stages, to.stages, step);
             }
         };
         images.iter().for_each(|barrier| apply(&barrier.from, &barrier.to));
         buffers.iter().for_each(|barrier| apply(&barrier.from, &barrier.to));
         memory.iter().filter(|barrier| is_strong(barrier)).for_each(|barrier| apply(&barrier.from, &barrier.to));
+
+        // 5. What only orders, one by one.
         memory.retain_mut(|barrier| {
             if is_strong(barrier) {
                 self.remember(step, barrier.from, barrier.to);
                 return true;
             }
             if let Some(before) = last(barrier.reason.before) {
-                let missing = self.missing(barrier.from.stages, barrier.to.stages, before);
-                barrier.from.stages = unchained(&done, missing, before);
+                let missing = self.done.missing(barrier.from.stages, barrier.to.stages, before);
+                barrier.from.stages = self.done.unchained(missing, before);
             }
             let keep = !barrier.from.stages.is_empty();
             if keep {
-                self.apply(&done, barrier.from.stages, barrier.to.stages, step);
+                self.apply(barrier.from.stages, barrier.to.stages, step);
             }
             keep
         });
@@ -179,50 +275,19 @@ impl<'a> Ordered<'a> {
     pub(super) fn wait(&mut self, stages: Stages, steps: u32) {
         let all = Access { stages: Stages::ALL_COMMANDS, mask: Mask::from_raw(!0), ..Access::NONE };
         self.remember(steps, all, Access { stages, ..all });
-        for b in members(with_later(set(stages))) {
-            self.done[b].iter_mut().for_each(|done| *done = (*done).max(steps + 1));
-        }
+        self.done.steps(with_later(set(stages)), steps);
     }
 
-    fn apply(&mut self, known: &[[u32; COUNT]; COUNT], from: Stages, to: Stages, step: u32) {
+    fn apply(&mut self, from: Stages, to: Stages, step: u32) {
+        if from.is_empty() {
+            return;
+        }
         let (from, to) = (with_earlier(set(from)), with_later(set(to)));
         for other in self.for_all.iter_mut().filter(|other| other.step < step && other.behind & from != 0) {
             other.more |= to;
         }
-        let mut chained = [0; COUNT];
-        for via in members(from) {
-            chained.iter_mut().zip(&known[via]).for_each(|(done, known)| *done = (*done).max(*known));
-        }
-        members(from).for_each(|a| chained[a] = step + 1);
-        for b in members(to) {
-            self.done[b].iter_mut().zip(&chained).for_each(|(done, chained)| *done = (*done).max(*chained));
-        }
+        self.done.barrier(from, to, step);
     }
-
-    /// The first stages that some second stage does not wait for yet, up to the place `before`.
-    fn missing(&self, from: Stages, to: Stages, before: u32) -> Stages {
-        let to = set(to);
-        let ordered = |a: &usize| members(to).all(|b| self.done[b][*a] > before);
-        without(from, members(set(from)).filter(|&a| a < COUNT - 1).filter(ordered).fold(0, |done, a| done | 1 << a))
-    }
-}
-
-/// First stages without those that come before another one of them, which stays, up to the place `before`.
-fn unchained(known: &[[u32; COUNT]; COUNT], from: Stages, before: u32) -> Stages {
-    let (mut left, mut stays) = (from, Stages::NONE);
-    for stage in bits(from.as_raw()).map(Stages::from_raw) {
-        let ordered = |other: &Stages| {
-            let behind = with_earlier(set(*other));
-            let chained = |a: usize| a < COUNT - 1 && members(behind).any(|b| known[b][a] > before);
-            members(set(stage)).all(chained)
-        };
-        let mut others = bits((left & !stage).as_raw()).map(Stages::from_raw);
-        if let Some(other) = others.find(ordered).filter(|_| !stays.contains(stage)) {
-            left &= !stage;
-            stays |= other;
-        }
-    }
-    left
 }
 
 #[cfg(test)]
@@ -234,11 +299,11 @@ mod tests {
     fn a_stage_that_others_come_before_stays() {
         let place = |stage| members(set(stage)).next().unwrap_or(COUNT);
         let (vertex, compute, copy) = (Stages::VERTEX_SHADER, Stages::COMPUTE_SHADER, Stages::COPY);
-        let mut known = [[0; COUNT]; COUNT];
-        known[place(copy)][place(vertex)] = 5;
-        known[place(compute)][place(copy)] = 5;
-        assert_eq!(unchained(&known, vertex | copy | compute, 1), copy | compute);
-        assert_eq!(unchained(&known, copy | compute, 1), compute);
-        assert_eq!(unchained(&known, copy | compute, 5), copy | compute);
+        let mut done = Done::default();
+        done.now[place(copy)][place(vertex)] = 5;
+        done.now[place(compute)][place(copy)] = 5;
+        assert_eq!(done.unchained(vertex | copy | compute, 1), copy | compute);
+        assert_eq!(done.unchained(copy | compute, 1), compute);
+        assert_eq!(done.unchained(copy | compute, 5), copy | compute);
     }
 }
