@@ -192,6 +192,33 @@ fn slices_go_from_the_left_and_the_top() {
 }
 
 #[test]
+fn sparse_arrays_are_records_of_set_voxels() {
+    let voxels = solid();
+    let file = written(&voxels, "v.sparse.npy");
+    let length = usize::from(u16::from_le_bytes([file[8], file[9]]));
+    let (header, records) = file[10..].split_at(length);
+    let header = String::from_utf8_lossy(header).into_owned();
+    assert!(
+        header.contains("[('voxel', '<u2', (3,))]") && header.contains(&format!("({},)", voxels.count())),
+        "{header}"
+    );
+    let read = |record: &[u8; 6]| [0, 2, 4].map(|i| u32::from(u16::from_le_bytes([record[i], record[i + 1]])));
+    let found: Vec<_> = records.as_chunks().0.iter().map(read).collect();
+    assert!(records.len() % 6 == 0 && found.iter().copied().eq(voxels.set()) && found.len() > 100);
+}
+
+#[test]
+fn what_would_unfold_to_too_much_is_refused() {
+    let check = |format: VoxelFormat, n: u32, attributes| format.check(Path::new("v"), [n; 3], attributes);
+    assert!(check(VoxelFormat::Exr, 256, true).is_ok() && check(VoxelFormat::Npy, 1024, false).is_ok());
+    for (format, n, attributes) in [(VoxelFormat::Exr, 1024, true), (VoxelFormat::Npy, 2048, false)] {
+        let error = check(format, n, attributes).unwrap_err().to_string();
+        assert!(error.contains("GiB") && error.contains(".sparse.npy"), "{error}");
+    }
+    assert!(check(VoxelFormat::SparseNpy, 2048, true).is_ok() && check(VoxelFormat::Npy, 8, true).is_err());
+}
+
+#[test]
 fn grids_of_nothing_are_files_too() {
     let folder = tempfile::tempdir().unwrap();
     let empty = Voxels::from_fn(&Grid::new(Vec3::ZERO, 1.0, [3, 3, 3]).unwrap(), |_| false);

@@ -1,7 +1,7 @@
 //! Solid voxels by signed counting against winding numbers along rays, and against the bits of the stencil.
 #![allow(missing_docs, clippy::unwrap_used)]
 
-use glam::Vec3;
+use glam::{Mat4, Vec3};
 use shadowgraph::gpu::Gpu;
 use shadowgraph::scene::Scene;
 use shadowgraph::techniques::voxel::bitmask::Bitmask;
@@ -10,8 +10,8 @@ use shadowgraph::techniques::voxel::winding::Winding;
 use shadowgraph::techniques::voxel::{Axis, FillRule, Grid, Voxels};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure};
-use shadowgraph_tests::harness;
-use shadowgraph_tests::solids::{self, awkward, bounds, front, one, torus};
+use shadowgraph_tests::solids::{self, awkward, bounds, one, soup, torus};
+use shadowgraph_tests::voxel_pictures::{beside, cut};
 
 fn voxelize(gpu: &Gpu, scene: &Scene, grid: &Grid, technique: Winding) -> Voxels {
     solids::voxelize(gpu, scene, grid, |graph, scene| technique.record(graph, scene, grid))
@@ -42,11 +42,13 @@ fn voxel_winding_agrees_with_its_reference() {
         bound: "equal bits".into(),
     });
     silent(gpu);
-    let picture = harness::require_scene("AnalyticSolids/AnalyticSolids.glb").map(|path| {
-        let scene = Scene::load(&path).unwrap();
-        front(&voxelize(gpu, &scene, &Grid::around(&bounds(&scene), 160).unwrap(), Winding::default()))
-    });
-    figures::publish(gpu, "voxel", "winding", &figures, picture.as_ref());
+    let tetrahedra = one("tetrahedra", vec![(soup(200), Mat4::IDENTITY)]);
+    let grid = Grid::around(&bounds(&tetrahedra), 160).unwrap();
+    let [odd, all] = [FillRule::EvenOdd, FillRule::NonZero]
+        .map(|rule| cut(&voxelize(gpu, &tetrahedra, &grid, Winding { rule, ..Winding::default() }), 84));
+    let caption = "A slice of 200 tetrahedra that run through one another, 160³ voxels: by the even-odd rule, and by the \
+        non-zero rule";
+    figures::publish(gpu, "voxel", "winding", &figures, Some(&beside([odd, all], caption.into())));
 }
 
 #[test]

@@ -12,7 +12,7 @@ pub use adaptive::AdaptiveLists;
 pub use layers::{ABUFFER_REPORT, Deep, Layer, Samples, Selection, Source};
 pub use voxels::VoxelVisibility;
 
-use self::shadows::{SpotMaps, SunShadow};
+use self::shadows::{Shadows, SpotMaps, SunShadow};
 use self::voxels::Marching;
 use crate::graph::{BufferHandle, Graph, ImageHandle};
 use crate::scene::{AlphaMode, DrawClass, GpuScene, View, light_block};
@@ -170,7 +170,10 @@ impl FrameSettings {
             occluders,
             position: &position,
         });
-        let shadows = self.shadows(graph, scene, &receivers, marching.as_ref());
+        let shadows = self.shadows(graph, scene, &receivers, marching.as_ref()).unwrap_or_else(|error| {
+            warnings.push(format!("no light casts a shadow: {error}"));
+            Shadows::new(&scene.lights)
+        });
         let lights = light_block(&scene.lights, &shadows.of_lights);
 
         // 3. Camera: shading of the opaque surfaces, then blended ones over them.
