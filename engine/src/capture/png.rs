@@ -76,7 +76,7 @@ pub fn auto_exposure(rgba: &[[f32; 4]]) -> f32 {
     const KEY: f64 = 0.18;
     let (mut sum, mut count) = (0.0, 0_u64);
     // Blocks of one size, added in order: the same on any number of cores.
-    for (part, pixels) in blocks(rgba, |pixels| log_luminance(pixels)) {
+    for (part, pixels) in blocks(rgba, log_luminance) {
         sum += part;
         count += pixels;
     }

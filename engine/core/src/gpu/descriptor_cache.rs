@@ -123,7 +123,12 @@ pub enum Points<'a> {
     },
 }
 
-impl Points<'_> {
+impl<'a> Points<'a> {
+    /// A whole buffer.
+    pub fn buffer(buffer: &'a Buffer) -> Self {
+        Self::Buffer { buffer, offset: 0, size: vk::WHOLE_SIZE }
+    }
+
     fn descriptor(&self) -> Descriptor {
         match *self {
             Self::Buffer { buffer, offset, size } => Descriptor::Buffer { buffer: buffer.clone(), offset, size },

@@ -31,7 +31,7 @@ impl<'a> Sets<'a> {
         &mut self,
         pass: &Name,
         work: &Work,
-        pipelines: &mut impl Iterator<Item = Pipeline>,
+        pipelines: &mut std::slice::Iter<Pipeline>,
         ready: &mut Vec<Ready>,
     ) -> Result<()> {
         let (count, bound) = match work {
@@ -49,9 +49,9 @@ impl<'a> Sets<'a> {
             }
             let set = match self.contents.is_empty() {
                 true => vk::DescriptorSet::null(),
-                false => self.cache.set(&pipeline, 0, &self.contents)?,
+                false => self.cache.set(pipeline, 0, &self.contents)?,
             };
-            ready.push(Ready { pipeline, set });
+            ready.push(Ready { pipeline: pipeline.clone(), set });
         }
         Ok(())
     }
@@ -65,7 +65,7 @@ impl<'a> Sets<'a> {
                 let buffer = self.arena.ok_or_else(missing)?;
                 Ok(Points::Buffer { buffer, offset: data.offset, size: data.size })
             }
-            What::Buffer(buffer) => Ok(Points::Buffer { buffer, offset: 0, size: vk::WHOLE_SIZE }),
+            What::Buffer(buffer) => Ok(Points::buffer(buffer)),
             What::Image(image, sampler) => {
                 let layout = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
                 self.image(binding, image, image.whole().kind(kind), layout, sampler)

@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 
 use ash::vk::{AccessFlags2 as Mask, PipelineStageFlags2 as Stages};
 
-use super::stages::{COUNT, Set, bits, both, holds, members, set, single, with_earlier, with_later, without};
+use super::stages::{COUNT, Set, any, bits, both, holds, members, set, single, with_earlier, with_later, without};
 use super::{Barriers, Hazard, ImageBarrier, MemoryBarrier, Ownership, Reason, Work};
 use crate::graph::description::{Access, ResourceId};
 
@@ -53,6 +53,24 @@ fn tenants(images: &mut [ImageBarrier], memory: &mut Vec<MemoryBarrier>) {
         images.iter().any(|image| is_tenant(&image.reason) && Some(image.resource) == barrier.reason.resource)
     };
     memory.retain(|barrier| !(is_tenant(&barrier.reason) && barrier.from.mask.is_empty() && transitions(barrier)));
+}
+
+/// Whether barriers for all memory of one call do what the barrier of a resource does. What of its accesses they make
+/// visible is left out.
+fn is_covered(from: &Access, to: &mut Access, ownership: Option<Ownership>, memory: &[MemoryBarrier]) -> bool {
+    if from.layout != to.layout || ownership.is_some() {
+        return false;
+    }
+    let asked = to.mask;
+    for other in memory.iter().filter(|other| holds(&other.from, from)) {
+        if holds(&other.to, to) {
+            return true;
+        }
+        if set(to.stages) & !set(other.to.stages) == 0 {
+            to.mask &= !other.to.mask;
+        }
+    }
+    to.mask.is_empty() && !asked.is_empty()
 }
 
 /// What is ordered on one queue.
@@ -205,13 +223,11 @@ impl<'a> Ordered<'a> {
         if !memory.is_empty() {
             tenants(images, memory);
             subsumed(memory);
-            let covered = |from: &Access, to: &Access, ownership: &Option<Ownership>| {
-                let same = from.layout == to.layout && ownership.is_none();
-                same && memory.iter().any(|barrier| holds(&barrier.from, from) && holds(&barrier.to, to))
-            };
-            images.retain(|barrier| !covered(&barrier.from, &barrier.to, &barrier.ownership));
-            buffers.retain(|barrier| !covered(&barrier.from, &barrier.to, &barrier.ownership));
+            self.drop_seen(barriers, &last);
         }
+        let Barriers { images, buffers, memory } = barriers;
+        images.retain(|barrier| !is_covered(&barrier.from, &mut barrier.to, barrier.ownership, memory));
+        buffers.retain_mut(|barrier| !is_covered(&barrier.from, &mut barrier.to, barrier.ownership, memory));
 
         // 4. What the rest orders. Most barriers of a call order alike, and nothing comes of the second.
         let mut applied = Default::default();
@@ -221,9 +237,22 @@ impl<'a> Ordered<'a> {
                 self.apply(from.stages, to.stages, step);
             }
         };
-        images.iter().for_each(|barrier| apply(&barrier.from, &barrier.to));
-        buffers.iter().for_each(|barrier| apply(&barrier.from, &barrier.to));
+        let waits_alone = |image: &ImageBarrier| image.from.mask.is_empty() && image.from.layout == image.to.layout;
+        images.iter().filter(|barrier| !waits_alone(barrier)).for_each(|barrier| apply(&barrier.from, &barrier.to));
+        buffers.iter().filter(|barrier| !barrier.from.mask.is_empty()).for_each(|b| apply(&b.from, &b.to));
         memory.iter().filter(|barrier| is_strong(barrier)).for_each(|barrier| apply(&barrier.from, &barrier.to));
+        for barrier in images.iter_mut().filter(|barrier| waits_alone(barrier)) {
+            if barrier.ownership.is_none() && self.chained.binary_search(&barrier.resource).is_err() {
+                self.leave_missing(&mut barrier.from, &barrier.to, last(barrier.reason.before));
+            }
+            self.apply(barrier.from.stages, barrier.to.stages, step);
+        }
+        for barrier in buffers.iter_mut().filter(|barrier| barrier.from.mask.is_empty()) {
+            if barrier.ownership.is_none() && self.chained.binary_search(&barrier.resource).is_err() {
+                self.leave_missing(&mut barrier.from, &barrier.to, last(barrier.reason.before));
+            }
+            self.apply(barrier.from.stages, barrier.to.stages, step);
+        }
 
         // 5. What only orders, one by one.
         memory.retain_mut(|barrier| {
@@ -242,6 +271,57 @@ impl<'a> Ordered<'a> {
             keep
         });
         self.for_all.iter_mut().for_each(|other| other.behind |= std::mem::take(&mut other.more));
+    }
+
+    /// Takes out barriers of writes that an earlier barrier for all memory made available, and that another one of this
+    /// call makes visible.
+    fn drop_seen(&self, barriers: &mut Barriers, last: &impl Fn(Option<Work>) -> Option<u32>) {
+        let Barriers { images, buffers, memory } = barriers;
+        if self.for_all.is_empty() {
+            return;
+        }
+        let mut index = 0;
+        while index < memory.len() {
+            let MemoryBarrier { from, to, reason } = memory[index];
+            let mut others = memory[..index].iter().chain(&memory[index + 1..]);
+            if last(reason.before).is_some_and(|before| self.is_seen(&from, &to, before, &mut others)) {
+                memory.remove(index);
+            } else {
+                index += 1;
+            }
+        }
+        let seen = |from: &Access, to: &Access, ownership: &Option<Ownership>, before: Option<Work>| {
+            let stays = from.layout == to.layout && ownership.is_none();
+            stays && last(before).is_some_and(|before| self.is_seen(from, to, before, &mut memory.iter()))
+        };
+        images.retain(|barrier| !seen(&barrier.from, &barrier.to, &barrier.ownership, barrier.reason.before));
+        buffers.retain(|barrier| !seen(&barrier.from, &barrier.to, &barrier.ownership, barrier.reason.before));
+    }
+
+    /// Whether one of `others`, of the call looked at, makes visible what was available before, and was over at `before`.
+    fn is_seen<'b>(
+        &self,
+        from: &Access,
+        to: &Access,
+        before: u32,
+        others: &mut (impl Iterator<Item = &'b MemoryBarrier> + Clone),
+    ) -> bool {
+        if from.mask.is_empty() || to.mask.is_empty() {
+            return false;
+        }
+        let available = self.for_all.iter().rev().take_while(|earlier| earlier.step >= before);
+        available.filter(|earlier| holds(&earlier.from, from)).any(|earlier| {
+            let chained = |other: &MemoryBarrier| with_earlier(set(other.from.stages)) & earlier.behind != 0;
+            others.clone().any(|other| holds(&other.to, to) && chained(other))
+        })
+    }
+
+    /// Leaves of first scopes without memory what nothing else orders, and one stage at least: what it is chained to.
+    fn leave_missing(&self, from: &mut Access, to: &Access, before: Option<u32>) {
+        if let Some(before) = before.filter(|_| !from.stages.as_raw().is_power_of_two()) {
+            let missing = self.done.missing(from.stages, to.stages, before);
+            from.stages = if missing.is_empty() { any(from.stages) } else { missing };
+        }
     }
 
     /// Whether a barrier for all memory made writes available and visible that were over at the place `before`. Where
