@@ -35,6 +35,9 @@ pub enum Step {
     Count,
     /// Appended to arrays, by `abuffer/array_append.glsl`.
     Arrays,
+    /// The same where the device runs a pixel's fragments in order: with `IN_ORDER` defined. Optional: without a program
+    /// [`Step::Arrays`] is taken.
+    ArraysInOrder,
     /// Appended to linked lists, by `abuffer/list_append.glsl`.
     Lists,
     /// The nearest that is left is composited, by `depth_peeling/peel.glsl`.
@@ -86,6 +89,7 @@ impl Step {
             Self::Samples => return None,
             Self::Count => [&count_frag::SHADER; 2],
             Self::Arrays => [&abuffer::array_frag::SHADER, &abuffer::array_pulled_frag::SHADER],
+            Self::ArraysInOrder => [&abuffer::array_in_order_frag::SHADER; 2],
             Self::Lists => [&abuffer::list_frag::SHADER, &abuffer::list_pulled_frag::SHADER],
             Self::Peel => [&depth_peeling::peel_frag::SHADER, &depth_peeling::peel_pulled_frag::SHADER],
             Self::PeelBothEnds => {
@@ -170,6 +174,9 @@ impl<'s, 'f> Blended<'s, 'f> {
 
 impl<'f> Fragments<'f> for Blended<'_, 'f> {
     fn programs(&self, step: Step) -> Vec<Program> {
+        if step == Step::ArraysInOrder && self.pull_vertices {
+            return Vec::new();
+        }
         let fragment = step.shaders().map(|shaders| shaders[usize::from(self.pull_vertices)]);
         if step.needs() == Needs::Positions {
             return vec![Program::new(&count_vert::SHADER, fragment).vertex_buffers(POSITIONS)];
