@@ -55,14 +55,14 @@ pub fn compare(voxels: &Voxels, triangles: &[[DVec3; 3]], inside: &[bool]) -> [u
 }
 
 /// Figures of a technique that counts both faces, over [`closed`] at 32, 64, 128 and 256: by the non-zero rule against
-/// winding numbers along rays, by the even-odd rule against the bits of [`Bitmask`].
-pub fn by_both_rules(gpu: &Gpu, find: impl Fn(&Scene, &Grid, Axis, FillRule) -> Voxels) -> Vec<Figure> {
+/// winding numbers along rays, by the even-odd rule against the bits of [`Bitmask`]. Where sweeps do not run whole, the
+/// first `few` resolutions must do.
+pub fn by_both_rules(gpu: &Gpu, few: usize, find: impl Fn(&Scene, &Grid, Axis, FillRule) -> Voxels) -> Vec<Figure> {
     let mut figures = Vec::new();
     for scene in closed() {
         let [mut compared, mut left_out] = [0; 2];
-        // The finest only where the sweep runs whole.
         let sweep = [(32, Axis::X), (64, Axis::Y), (128, Axis::Z), (256, Axis::X)];
-        for &(resolution, axis) in &sweep[..if harness::is_whole() { 4 } else { 3 }] {
+        for &(resolution, axis) in &sweep[..if harness::is_whole() { 4 } else { few }] {
             let name = format!("{} at {resolution} along {axis:?}", scene.name);
             let grid = Grid::around(&bounds(&scene), resolution).unwrap_or_else(|error| panic!("{error}"));
             let triangles = twin::voxel::in_grid(&scene, &grid);

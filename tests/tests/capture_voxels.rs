@@ -9,6 +9,7 @@ use glam::{DVec3, Vec3};
 use shadowgraph::capture::{VoxelFormat, write_voxels};
 use shadowgraph::scene::Scene;
 use shadowgraph::techniques::voxel::{Grid, Voxels};
+use shadowgraph_tests::exr_file;
 use shadowgraph_tests::twin::voxel::volume;
 
 /// A ball with a hole along z, a voxel apart from it, and a bar, in a grid of three different sizes.
@@ -130,7 +131,7 @@ fn every_slice_is_a_part() {
     let folder = tempfile::tempdir().unwrap();
     let (path, voxels) = (folder.path().join("v.exr"), solid());
     write_voxels(&path, &voxels, VoxelFormat::Exr).unwrap();
-    let image = exr::prelude::read_all_flat_layers_from_file(&path).unwrap();
+    let image = exr_file::image(&path);
     let mut found = BTreeSet::new();
     for (z, layer) in image.layer_data.iter().enumerate() {
         assert_eq!(layer.attributes.layer_name.as_ref().unwrap().to_string(), format!("z{z:04}"));

@@ -4,8 +4,8 @@
 use std::cell::Cell;
 
 use ash::vk;
-use shadowgraph::graph::{Executor, First, Graph, History, ImageShape};
-use shadowgraph::shader::generated::bench::chain_comp as chain;
+use shadowgraph::graph::{Executed, Executor, First, Graph, ImageShape};
+use shadowgraph::shader::generated::bench::{chain_comp as chain, join_comp as join};
 use shadowgraph_tests::device::isolated_device;
 
 const SHAPE: ImageShape =
@@ -109,20 +109,117 @@ fn a_plan_found_again_has_the_mistakes_of_its_own_frame() {
     });
 }
 
+/// Adds `added` to what the last frame left; a first frame finds 7. `mask` is a history that no frame but the first one
+/// writes, and each adds it.
+fn accumulate<'f>(graph: &mut Graph<'f>, added: &'f Cell<u32>) {
+    let first = |value| First::Color(vk::ClearColorValue { uint32: [value, 0, 0, 0] });
+    let light = graph.history_image("light", SHAPE, first(7));
+    let mask = graph.history_image("mask", SHAPE, first(100));
+    if mask.is_first {
+        let next = graph.clear("mask", mask.next, vk::ClearColorValue { uint32: [1, 0, 0, 0] });
+        graph.capture("mask", &next);
+    }
+    let mut pass = graph.compute("add", &chain::SHADER);
+    pass.read(chain::FROM, &light.previous).push_with(|| added.get());
+    let next = pass.write(chain::TO, light.next);
+    pass.dispatch([16, 16, 1]);
+    let sum = graph.image("sum", SHAPE);
+    let mut pass = graph.compute("sum", &join::SHADER);
+    pass.read(join::LEFT, &next).read(join::RIGHT, &mask.previous);
+    let sum = pass.write(join::SUM, sum);
+    pass.dispatch([16, 16, 1]);
+    graph.capture("light", &next);
+    graph.capture("sum", &sum);
+}
+
+fn texels(executed: &Executed, name: &str) -> Vec<u32> {
+    executed.capture(name).unwrap().texels::<u32>().unwrap()
+}
+
 #[test]
-fn frames_that_depend_on_the_last_one_are_refused() {
-    isolated_device("frames_that_depend_on_the_last_one_are_refused", |gpu| {
+fn histories_of_a_prepared_frame_take_turns() {
+    isolated_device("histories_of_a_prepared_frame_take_turns", |gpu| {
+        let added = Cell::new(0);
         let mut executor = Executor::new(gpu);
+        let mut light = 7;
+        let execute = |executor: &mut Executor, value| {
+            added.set(value);
+            let mut graph = executor.graph("frame");
+            accumulate(&mut graph, &added);
+            let plan = executor.plan(&graph).unwrap();
+            executor.execute(&plan, graph).unwrap()
+        };
+        // Two frames: the first one reads the first value of `mask`, the second one what the first one wrote.
+        for (value, mask) in [(1, 100), (10, 1)] {
+            light += value;
+            let executed = execute(&mut executor, value);
+            assert_eq!(texels(&executed, "light"), vec![light; 256]);
+            assert_eq!(texels(&executed, "sum"), vec![light + mask; 256]);
+        }
+        let more = Cell::new(0);
+        for runs in [3, 2] {
+            let mut graph = executor.graph("frame");
+            accumulate(&mut graph, &more);
+            let plan = executor.plan(&graph).unwrap();
+            let mut prepared = executor.prepare(&plan, graph).unwrap();
+            for run in 0..runs {
+                more.set(1000 + run);
+                light += more.get();
+                let executed = executor.run(&mut prepared).unwrap();
+                assert_eq!(texels(&executed, "light"), vec![light; 256], "run {run} of {runs}");
+                assert_eq!(texels(&executed, "sum"), vec![light + 1; 256], "run {run} of {runs}");
+            }
+            // A frame that is executed goes on with what the runs left.
+            light += 5;
+            assert_eq!(texels(&execute(&mut executor, 5), "light"), vec![light; 256]);
+            // So the prepared one does not fit any more.
+            let error = executor.run(&mut prepared).err().unwrap().to_string();
+            assert!(error.contains("another frame went on with it"), "{error}");
+        }
+    });
+}
+
+#[test]
+fn what_changes_from_run_to_run_is_not_prepared() {
+    isolated_device("what_changes_from_run_to_run_is_not_prepared", |gpu| {
+        let added = Cell::new(1);
+        let mut executor = Executor::new(gpu);
+        let refused = |executor: &mut Executor, why: &str| {
+            let mut graph = executor.graph("frame");
+            accumulate(&mut graph, &added);
+            let plan = graph.compile(gpu).unwrap();
+            let error = executor.prepare(&plan, graph).err().map(|error| error.to_string()).unwrap_or_default();
+            assert!(error.contains(why), "{error}");
+        };
+        refused(&mut executor, "has no last frame: execute a frame like it first");
         let mut graph = executor.graph("frame");
-        let first = First::Color(vk::ClearColorValue::default());
-        let History { previous, next, .. } = graph.history_image("light", SHAPE, first);
-        let mut pass = graph.compute("add", &chain::SHADER);
-        pass.read(chain::FROM, &previous).push(&1u32);
-        let next = pass.write(chain::TO, next);
-        pass.dispatch([16, 16, 1]);
-        graph.capture("result", &next);
+        accumulate(&mut graph, &added);
         let plan = graph.compile(gpu).unwrap();
-        let Err(error) = executor.prepare(&plan, graph) else { panic!("it was made ready") };
-        assert!(error.to_string().contains("histories or checkpoints"), "{error}");
+        executor.execute(&plan, graph).unwrap();
+        // `mask` was written, and now is read by compute shaders: the next frame finds it so.
+        refused(&mut executor, "is left in another state than it is found in: execute a frame like it once more");
+        let mut graph = executor.graph("frame");
+        accumulate(&mut graph, &added);
+        let plan = graph.compile(gpu).unwrap();
+        executor.execute(&plan, graph).unwrap();
+        let mut graph = executor.graph("frame");
+        accumulate(&mut graph, &added);
+        let plan = graph.compile(gpu).unwrap();
+        let mut prepared = executor.prepare(&plan, graph).unwrap();
+        executor.run(&mut prepared).unwrap();
+        executor.forget_history("light");
+        let error = executor.run(&mut prepared).err().unwrap().to_string();
+        assert!(error.contains("history `light` of a prepared frame: was forgotten"), "{error}");
+
+        let mut graph = executor.graph("frame");
+        let image = graph.image("image", SHAPE);
+        let image = graph.clear("clear", image, vk::ClearColorValue::default());
+        let read = graph.checkpoint::<u32>("read", &image);
+        let sized = graph.buffer_after(&read, "sized", |values| 4 + u64::from(values[0]));
+        let sized = graph.fill("fill", sized, 1);
+        graph.capture("sized", &sized);
+        let plan = graph.compile(gpu).unwrap();
+        let error = executor.prepare(&plan, graph).err().unwrap().to_string();
+        assert!(error.contains("has checkpoints: sizes follow from what the host reads"), "{error}");
     });
 }

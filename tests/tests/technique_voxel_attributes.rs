@@ -18,7 +18,7 @@ use shadowgraph_tests::solids::{awkward, bounds, one, soup, torus};
 use shadowgraph_tests::soup::Random;
 use shadowgraph_tests::twin::attributes::{Average, averages};
 use shadowgraph_tests::twin::scene::Scene as Truth;
-use shadowgraph_tests::{harness, tiny, voxel_pictures};
+use shadowgraph_tests::{exr_file, harness, tiny, voxel_pictures};
 
 /// What triangles that only touch a voxel add to its area, in squares of its edge: the least weight each.
 const TOUCH: f64 = 1e-5;
@@ -364,7 +364,7 @@ fn files_hold_attributes() {
     };
 
     // A slice a part, a channel a value.
-    let image = exr::prelude::read_all_flat_layers_from_file(written("v.exr").unwrap()).unwrap();
+    let image = exr_file::image(&written("v.exr").unwrap());
     let mut compared = 0;
     for (z, layer) in image.layer_data.iter().enumerate() {
         let channel = |name: &str| -> Vec<f32> {

@@ -21,7 +21,7 @@ fn voxelize(gpu: &Gpu, scene: &Scene, grid: &Grid, technique: Winding) -> Voxels
 fn voxel_winding_agrees_with_its_reference() {
     let gpu = shared();
     let mut figures =
-        solids::by_both_rules(gpu, |scene, grid, axis, rule| voxelize(gpu, scene, grid, Winding { axis, rule }));
+        solids::by_both_rules(gpu, 3, |scene, grid, axis, rule| voxelize(gpu, scene, grid, Winding { axis, rule }));
     // The stencil counts the same, one slice after the other; open meshes included.
     let mut equal = 0;
     for scene in solids::closed().into_iter().chain(solids::surfaces()) {

@@ -88,6 +88,7 @@ fn bad_input_is_refused_without_a_device() {
     is_refused(&["capture", "builtin:cornell", "-o", "o.png", nowhere], "must end in .exr");
     is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--png", "o.jpg", nowhere], "must end in .png");
     is_refused(&["capture", "builtin:cornell", "-o", "missing/o.exr", nowhere], "no such folder");
+    is_refused(&["graph", "builtin:cornell", "-o", "missing/o.json", nowhere], "no such folder");
     is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--camera", "nobody", nowhere], "0 (front)");
     is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--eye=1,2,3", "--target=1,2,3", nowhere], "same point");
     let folder = tempfile::tempdir().unwrap();
@@ -98,10 +99,10 @@ fn bad_input_is_refused_without_a_device() {
 }
 
 #[test]
-fn a_missing_device_is_a_failure() {
+fn a_device_that_is_not_there_is_bad_usage() {
     let folder = tempfile::tempdir().unwrap();
     let output = run(&folder, &["info", "--device", "there is no device of this name"]);
-    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("there is no device of this name"), "{}", stderr(&output));
 }
 

@@ -94,7 +94,7 @@ macro_rules! features {
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
         #[non_exhaustive]
         pub enum Feature {
-            $($(#[$doc])* #[doc = concat!("\n\n`", $vulkan, "`.")] $name,)*
+            $($(#[$doc])* #[doc = concat!("\n\n`", $vulkan, "`.")] #[serde(rename = $vulkan)] $name,)*
         }
 
         impl Feature {

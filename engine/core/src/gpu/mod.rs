@@ -46,7 +46,7 @@ pub use buffer::{Buffer, BufferInfo};
 pub use caps::{Caps, DeviceKind, Feature, Limits, QueueFamily};
 pub use commands::{Commands, SemaphoreAt, SubmitToken};
 pub use descriptor::{Descriptor, DescriptorArena, DescriptorSet, SetLayout};
-pub use descriptor_cache::DescriptorCache;
+pub use descriptor_cache::{DescriptorCache, Points};
 pub use format::{FormatInfo, Numeric, linear_from_srgb};
 pub use image::Image;
 pub use image_info::{ImageInfo, ViewInfo};

@@ -1,5 +1,6 @@
 //! Describing a frame: resources, passes, roots. Touches no device.
 
+use std::cell::Cell;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -31,7 +32,7 @@ pub struct Graph<'f> {
     /// What lies behind the bindings of all passes.
     pub(super) bound: Vec<Bound>,
     /// Uses of the pass that is being described.
-    pub(super) uses: Vec<Use>,
+    pub(super) uses: Uses,
     /// Memory of imported resources, in the order of `description.resources`.
     pub(super) external: Vec<Option<External>>,
     /// Bytes for uniform and constant bindings of this frame.
@@ -47,6 +48,8 @@ pub struct Graph<'f> {
     pub(super) later: Vec<Later<'f>>,
     /// What passes ask the device to count.
     pub(super) queries: Vec<Asked>,
+    /// Of the description when it had these counts.
+    pub(super) known_fingerprint: Cell<Option<([usize; 5], u64)>>,
 }
 
 /// An imported resource.
@@ -96,7 +99,7 @@ impl<'f> Graph<'f> {
             description: Description { name: name.into(), ..Description::default() },
             work: Vec::new(),
             bound: Vec::new(),
-            uses: Vec::new(),
+            uses: Uses::new(),
             external: Vec::new(),
             arena: Arena::default(),
             mistakes: Vec::new(),
@@ -105,6 +108,7 @@ impl<'f> Graph<'f> {
             cut: false,
             later: Vec::new(),
             queries: Vec::new(),
+            known_fingerprint: Cell::new(None),
         }
     }
 
@@ -195,7 +199,7 @@ impl<'f> Graph<'f> {
     /// # Errors
     /// All that is wrong with it, at once.
     pub fn compile(&self, device: &dyn DeviceModel) -> Result<Plan, GraphErrors> {
-        let fingerprint = self.description.fingerprint();
+        let fingerprint = self.fingerprint();
         let planned = plan(&self.description, device).map(|plan| Plan { fingerprint, ..plan });
         let partly = planned.as_ref().map_or_else(|_| Vec::new(), |plan| self.written_in_part(plan));
         if self.mistakes.is_empty() && partly.is_empty() {
@@ -204,6 +208,20 @@ impl<'f> Graph<'f> {
         let mut errors = [self.mistakes.clone(), partly].concat();
         errors.extend(planned.err().map(|more| more.errors).unwrap_or_default());
         Err(GraphErrors { graph: self.description.name.clone(), errors })
+    }
+
+    /// Of the description so far; found once for so many resources, versions, passes and roots.
+    pub(super) fn fingerprint(&self) -> u64 {
+        let counts = self.description.counts();
+        let known = self.known_fingerprint.get().filter(|(known, _)| *known == counts);
+        let fingerprint = known.map_or_else(|| self.description.fingerprint(), |(_, fingerprint)| fingerprint);
+        self.known_fingerprint.set(Some((counts, fingerprint)));
+        fingerprint
+    }
+
+    /// The description is that of a plan.
+    pub(super) fn is_as_planned(&self, plan: &Plan) {
+        self.known_fingerprint.set(Some((self.description.counts(), plan.fingerprint)));
     }
 
     /// Whether the typed layer saw nothing wrong.
@@ -350,7 +368,7 @@ impl<'f> Graph<'f> {
 
     /// The pass that was being described.
     pub(super) fn push_collected(&mut self, name: Name, queue: Queue, work: Work<'f>) {
-        let uses = self.uses.drain(..).collect();
+        let uses = std::mem::take(&mut self.uses);
         self.push_pass(name, queue, uses, work);
     }
 

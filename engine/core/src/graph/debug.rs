@@ -13,6 +13,7 @@ impl Graph<'_> {
     /// [`Error::Invalid`] where no pass has that name, with the names that there are.
     pub fn switch_off(&mut self, pass: &str) -> Result<()> {
         let index = find_pass(&self.description, pass)?;
+        self.known_fingerprint.set(None);
         let description = &mut self.description;
         let pass = &mut description.passes[index];
         pass.uses.retain(|used| used.makes.is_some());

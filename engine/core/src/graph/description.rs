@@ -42,6 +42,12 @@ impl Description {
         checkpoints.clear();
     }
 
+    /// How much of everything there is.
+    pub(super) fn counts(&self) -> [usize; 5] {
+        let Self { name: _, resources, versions, passes, roots, checkpoints } = self;
+        [resources.len(), versions.len(), passes.len(), roots.len(), checkpoints.len()]
+    }
+
     /// A number that tells frames apart that no plan serves both of: of everything but names.
     pub(super) fn fingerprint(&self) -> u64 {
         let Self { name: _, resources, versions, passes, roots, checkpoints } = self;

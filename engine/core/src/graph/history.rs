@@ -64,6 +64,8 @@ pub(super) struct Declared {
     pub(super) resources: [ResourceId; 2],
     /// The turn whose memory it goes on with; `None`: it takes new memory.
     pub(super) found: Option<u64>,
+    /// Whether it begins anew.
+    pub(super) is_first: bool,
 }
 
 impl Graph<'_> {
@@ -147,7 +149,7 @@ impl Graph<'_> {
         let kept = self.kept.get(key).filter(|kept| kept.shape == shape);
         debug_assert!(kept.is_some() || is_first);
         let found = kept.map(|kept| kept.turn);
-        self.histories.push(Declared { key: key.into(), shape, resources, found });
+        self.histories.push(Declared { key: key.into(), shape, resources, found, is_first });
     }
 
     /// The pass that gives the first frame something to read.

@@ -6,6 +6,9 @@ use std::hash::{Hash, Hasher};
 use std::ops::Deref;
 use std::sync::OnceLock;
 
+use rustc_hash::FxHashSet;
+use smallvec::SmallVec;
+
 /// Name of a pass or a resource: text, or text and a number for one of many (`("blur", 3)` is `blur 3`). It becomes one
 /// text where somebody reads it: a frame that nobody looks into makes none.
 #[derive(Clone, Default)]
@@ -32,6 +35,43 @@ impl Name {
         let number = split.and_then(|(text, digits)| Some((text, digits.parse().ok()?)));
         number.map_or((base, None), |(text, number)| (text, Some(number)))
     }
+}
+
+/// Whether no two names read alike. Names with numbers that ascend, as loops make them, are told apart without a look
+/// at their text; the others are looked up.
+pub(super) fn are_distinct<'a>(names: impl Iterator<Item = &'a Name> + Clone) -> bool {
+    ascend(names.clone()) || {
+        let mut known = FxHashSet::default();
+        known.reserve(names.size_hint().0);
+        names.into_iter().all(|name| known.insert(name.parts()))
+    }
+}
+
+/// How many different texts are looked at for numbers that ascend.
+const SERIES: usize = 8;
+
+/// Whether it is plain to see that no two names read alike: numbers ascend behind each text, and names without a number
+/// do not end in a digit.
+fn ascend<'a>(names: impl Iterator<Item = &'a Name>) -> bool {
+    let mut series: SmallVec<[(&str, u32); SERIES]> = SmallVec::new();
+    let mut plain: FxHashSet<&str> = FxHashSet::default();
+    for name in names {
+        let base: &str = &name.base;
+        let Some(number) = name.number else {
+            if base.ends_with(|last: char| last.is_ascii_digit()) || !plain.insert(base) {
+                return false;
+            }
+            continue;
+        };
+        match series.iter().position(|(known, _)| std::ptr::eq::<str>(*known, base)) {
+            Some(place) if series[place].1 < number => series[place].1 = number,
+            None if series.len() < SERIES && series.iter().all(|(known, _)| *known != base) => {
+                series.push((base, number));
+            }
+            _ => return false,
+        }
+    }
+    true
 }
 
 impl From<&str> for Name {
@@ -134,5 +174,28 @@ mod tests {
             assert_ne!(Name::from((base, number)), Name::from(text));
         }
         assert_eq!(Name::from("blur 99999999999"), Name::from(String::from("blur 99999999999")));
+    }
+
+    #[test]
+    fn names_that_read_alike_are_found() {
+        let (blur, text) = (|number| Name::from(("blur", number)), |text: &str| Name::from(text));
+        for distinct in [
+            vec![blur(0), blur(3), text("blur"), Name::from(("add", 0)), blur(4)],
+            vec![blur(3), blur(0), text("blur 4"), text("blur 03")],
+            (0..20).map(|number| text(&format!("pass {number}"))).collect(),
+        ] {
+            assert!(are_distinct(distinct.iter()), "{distinct:?}");
+        }
+        let other = Name { base: Cow::Owned("blur".into()), number: Some(5), text: OnceLock::new() };
+        for alike in [
+            vec![blur(0), blur(3), blur(3)],
+            vec![blur(3), blur(4), blur(3)],
+            vec![blur(3), text("blur 3")],
+            vec![text("blur 3"), blur(3)],
+            vec![text("blur"), blur(3), text("blur")],
+            vec![blur(5), blur(6), other],
+        ] {
+            assert!(!are_distinct(alike.iter()), "{alike:?}");
+        }
     }
 }

@@ -21,7 +21,7 @@ pub(super) use queries::Asked;
 pub use queries::{Counts, PassCount};
 pub use timer::PassTime;
 
-use self::histories::Histories;
+use self::histories::{Histories, Turns};
 use self::plans::Plans;
 use self::queries::Queries;
 use self::resources::Resources;
@@ -56,17 +56,16 @@ pub struct Executor<'g> {
 
 /// A frame made ready to be run any number of times: see [`Executor::prepare`].
 ///
-/// Frames of one executor share memory: none keeps anything from run to run but what it imports.
+/// Frames of one executor share memory: none keeps anything from run to run but what it imports, and histories.
 pub struct Prepared<'f> {
     description: Description,
     steps: Vec<Task>,
     /// By pass.
     work: Vec<Work<'f>>,
-    /// One before each step, and the last one at the end.
-    barriers: Batches,
-    /// Of all passes.
-    programs: Vec<Ready>,
-    memory: Resources,
+    /// One, or two that take turns as histories do.
+    phases: Vec<Phase>,
+    /// Of the frame, as it found them.
+    turns: Turns,
     descriptors: DescriptorCache,
     timer: Timer,
     queries: Queries,
@@ -74,6 +73,15 @@ pub struct Prepared<'f> {
     first_pass: u32,
     /// Descriptor sets point into it, and at what is bound.
     _kept: (Option<Buffer>, Arc<Vec<Bound>>),
+}
+
+/// What follows from where resources lie.
+struct Phase {
+    /// One before each step, and the last one at the end.
+    barriers: Batches,
+    /// Of all passes.
+    programs: Vec<Ready>,
+    memory: Resources,
 }
 
 /// One step.
@@ -114,6 +122,8 @@ struct Frame<'f> {
     queries: Vec<Asked>,
     /// How many passes the segments before had.
     first_pass: u32,
+    /// By pass of the whole frame, whether it runs. Nothing for a frame of one segment.
+    live: Vec<bool>,
 }
 
 /// A segment that has run.
@@ -204,7 +214,7 @@ impl<'g> Executor<'g> {
         self.histories.take(self.gpu, &histories, &mut external)?;
         let arena = self.arena_of_this_frame(&arena.bytes)?;
         let (work, memory, bound) = (work.into_iter(), Resources(external), Arc::new(bound));
-        let mut frame = Frame { work, bound, memory, arena, queries, first_pass: 0 };
+        let mut frame = Frame { work, bound, memory, arena, queries, first_pass: 0, live: Vec::new() };
         if description.checkpoints.is_empty() {
             let (ran, description) = self.run_once(description, plan, &mut frame)?;
             self.histories.keep(histories, plan, &frame.memory.0);
@@ -221,46 +231,60 @@ impl<'g> Executor<'g> {
     /// once, and [`Executor::run`] records. What changes from run to run comes from [`super::ComputePass::push_with`],
     /// from the closures of raster passes, and from buffers and images that the frame imports.
     ///
+    /// Histories go on from run to run: the two resources of each take turns, with descriptor sets and barriers for both.
+    /// A frame like it has to run by [`Executor::execute`] first, mostly once: then the history has begun, and is found
+    /// as each run leaves it.
+    ///
     /// # Errors
-    /// As [`Executor::execute`]; [`Error::Invalid`] where the frame has histories or checkpoints: what follows from the
-    /// last frame, or from what the host reads, is not known before; or where it leaves an imported image in another
-    /// layout than it arrives in, for each run finds it as the last one left it.
+    /// As [`Executor::execute`]; [`Error::Invalid`] where the frame has checkpoints: sizes follow from what the host
+    /// reads there, and from sizes the memory, its barriers and the descriptor sets; where it is the first one of a
+    /// history, or would leave one in another state than it finds it in; or where it leaves an imported image in
+    /// another layout than it arrives in, for each run finds it as the last one left it.
     pub fn prepare<'f>(&mut self, plan: &Plan, graph: Graph<'f>) -> Result<Prepared<'f>> {
         check(self.gpu, plan, &graph)?;
         self.transients.begin_frame();
-        let Graph { description, work, bound, external, arena, histories, queries, .. } = graph;
-        if !histories.is_empty() || !description.checkpoints.is_empty() {
-            let why = "has histories or checkpoints, which change from run to run; execute it anew each time";
+        let Graph { description, work, bound, mut external, arena, histories, queries, .. } = graph;
+        if !description.checkpoints.is_empty() {
+            let why = "has checkpoints: sizes follow from what the host reads; execute it anew each time";
             return Err(Error::invalid(format!("graph `{}`", description.name), why));
         }
         resources::check_turns(plan, &description)?;
+        let turns = self.histories.share(histories, plan, &mut external)?;
         let arena = self.arena(&arena.bytes)?;
         let (work, memory, bound) = (work.into_iter(), Resources(external), Arc::new(bound));
-        let mut frame = Frame { work, bound, memory, arena, queries, first_pass: 0 };
+        let mut frame = Frame { work, bound, memory, arena, queries, first_pass: 0, live: Vec::new() };
         let descriptors = self.gpu.descriptor_cache(&description.name);
-        self.ready(description, plan, &mut frame, descriptors)
+        self.ready(description, plan, &mut frame, (descriptors, turns))
     }
 
-    /// Records a frame that was prepared, runs it, and waits until the device is done.
+    /// Records a frame that was prepared, runs it, and waits until the device is done. Histories of a run that fails
+    /// begin anew.
     ///
     /// # Errors
-    /// As [`Executor::execute`]; [`Error::Invalid`] for a frame of another device.
+    /// As [`Executor::execute`]; [`Error::Invalid`] for a frame of another device, and where another frame has gone on with
+    /// one of its histories, or it was forgotten.
     pub fn run(&mut self, prepared: &mut Prepared) -> Result<Executed> {
         if !prepared.descriptors.is_from(self.gpu) {
             let why = "was prepared for another device; prepare it by the executor that runs it";
             return Err(Error::invalid(format!("graph `{}`", prepared.description.name), why));
         }
-        Ok(self.record_and_wait(prepared)?.into())
+        let phase = self.histories.phase(&prepared.turns)?;
+        let ran = self.record_and_wait(prepared, phase, []);
+        self.histories.turn(&mut prepared.turns, ran.is_ok());
+        Ok(ran?.into())
     }
 
     /// Runs a frame, or a segment of one, once; gives the description back.
     fn run_once(&mut self, description: Description, plan: &Plan, frame: &mut Frame) -> Result<(Ran, Description)> {
         let start = Instant::now();
         let descriptors = self.descriptors.take().unwrap_or_else(|| self.gpu.descriptor_cache("passes"));
-        let mut prepared = self.ready(description, plan, frame, descriptors)?;
+        let mut prepared = self.ready(description, plan, frame, (descriptors, Turns::default()))?;
         let readying = start.elapsed();
-        let ran = self.record_and_wait(&mut prepared)?;
-        (self.descriptors, frame.memory) = (Some(prepared.descriptors), prepared.memory);
+        let later = frame.live.iter().skip(frame.first_pass as usize);
+        let later = frame.work.as_slice().iter().zip(later).filter_map(|(work, &live)| live.then_some(work));
+        let ran = self.record_and_wait(&mut prepared, 0, later)?;
+        let memory = prepared.phases.pop().map(|phase| phase.memory).unwrap_or_default();
+        (self.descriptors, frame.memory) = (Some(prepared.descriptors), memory);
         Ok((Ran { recording: ran.recording + readying, ..ran }, prepared.description))
     }
 
@@ -270,7 +294,7 @@ impl<'g> Executor<'g> {
         description: Description,
         plan: &Plan,
         frame: &mut Frame<'f>,
-        mut descriptors: DescriptorCache,
+        (mut descriptors, turns): (DescriptorCache, Turns),
     ) -> Result<Prepared<'f>> {
         let work: Vec<Work> = frame.work.by_ref().take(description.passes.len()).collect();
 
@@ -285,53 +309,54 @@ impl<'g> Executor<'g> {
         });
         let mut wanted = Vec::with_capacity(plan.steps.len());
         planned.for_each(|work| work.pipelines(&mut wanted));
-        let mut pipelines = self.pipelines.all(self.gpu, &wanted)?.into_iter();
+        let pipelines = self.pipelines.all(self.gpu, &wanted)?;
 
-        // 3. Descriptor sets and barriers.
+        // 3. Descriptor sets and barriers, for each turn of histories.
         let mut steps = Vec::with_capacity(plan.steps.len());
-        let mut programs = Vec::with_capacity(plan.steps.len());
-        let (mut barriers, validated) = (Batches::with_capacity(plan), self.gpu.is_validated());
-        let (gpu, cache, contents) = (self.gpu, &mut descriptors, Vec::new());
-        let mut sets = Sets { gpu, memory: &memory, bound: &frame.bound, arena, cache, contents };
-        for step in &plan.steps {
-            let task = match step.work {
-                Step::Pass(PassId(pass)) => {
-                    let (name, work) = (&description.passes[pass as usize].name, &work[pass as usize]);
-                    let first = programs.len();
-                    sets.ready(name, work, &mut pipelines, &mut programs)?;
-                    Task::Pass { pass, programs: first..programs.len() }
-                }
-                Step::ReadBack(root) => Task::ReadBack(root),
-            };
-            steps.push(task);
-            run::batch(&mut barriers, &step.barriers, &memory, validated);
+        let mut phases = Vec::with_capacity(2);
+        let (gpu, bound) = (self.gpu, &frame.bound);
+        for memory in turns.memories(memory) {
+            let (cache, contents) = (&mut descriptors, Vec::new());
+            let mut sets = Sets { gpu, memory: &memory, bound, arena, cache, contents };
+            let (mut barriers, validated) = (Batches::with_capacity(plan), gpu.is_validated());
+            let mut programs = Vec::with_capacity(pipelines.len());
+            let mut pipelines = pipelines.iter();
+            steps.clear();
+            for step in &plan.steps {
+                let task = match step.work {
+                    Step::Pass(PassId(pass)) => {
+                        let (name, work) = (&description.passes[pass as usize].name, &work[pass as usize]);
+                        let first = programs.len();
+                        sets.ready(name, work, &mut pipelines, &mut programs)?;
+                        Task::Pass { pass, programs: first..programs.len() }
+                    }
+                    Step::ReadBack(root) => Task::ReadBack(root),
+                };
+                steps.push(task);
+                run::batch(&mut barriers, &step.barriers, &memory, validated);
+            }
+            run::batch(&mut barriers, &plan.finally, &memory, validated);
+            phases.push(Phase { barriers, programs, memory });
         }
-        run::batch(&mut barriers, &plan.finally, &memory, validated);
         let timer = if self.instruments { Timer::new(self.gpu, steps.len())? } else { Timer::default() };
         let queries = self.queries(plan, &description, frame)?;
         let first_pass = frame.first_pass;
         frame.first_pass += description.passes.len() as u32;
         let _kept = (frame.arena.clone(), frame.bound.clone());
-        Ok(Prepared {
-            description,
-            steps,
-            work,
-            barriers,
-            programs,
-            memory,
-            descriptors,
-            timer,
-            queries,
-            first_pass,
-            _kept,
-        })
+        Ok(Prepared { description, steps, work, phases, turns, descriptors, timer, queries, first_pass, _kept })
     }
 
-    fn record_and_wait(&mut self, prepared: &mut Prepared) -> Result<Ran> {
+    /// `later`: what segments after this one do. Their pipelines are made while the device is busy.
+    fn record_and_wait<'w, 'f: 'w>(
+        &mut self,
+        prepared: &mut Prepared,
+        phase: usize,
+        later: impl IntoIterator<Item = &'w Work<'f>>,
+    ) -> Result<Ran> {
         // 1. Host buffers for what is read back; queries begin anew.
         let start = Instant::now();
-        let Prepared { description, steps, work, barriers, programs, memory, timer, queries, first_pass, .. } =
-            prepared;
+        let Prepared { description, steps, work, phases, timer, queries, first_pass, .. } = prepared;
+        let Phase { barriers, programs, memory } = &phases[phase];
         let captures = self.capture_buffers(description)?;
         timer.reset();
         queries.reset();
@@ -376,7 +401,11 @@ impl<'g> Executor<'g> {
         let recording = start.elapsed();
         let submitted = Instant::now();
         let token = self.gpu.submit(commands)?;
+        let mut wanted = Vec::new();
+        later.into_iter().for_each(|work| work.pipelines(&mut wanted));
+        let made = self.pipelines.all(self.gpu, &wanted);
         self.gpu.wait(token)?;
+        made?;
         let running = submitted.elapsed();
         let name = |step: &Task| match step {
             Task::Pass { pass, .. } => description.passes[*pass as usize].name.to_string(),
@@ -429,7 +458,7 @@ impl<'g> Executor<'g> {
 
 /// Whether a plan can be executed for a graph.
 fn check(gpu: &Gpu, plan: &Plan, graph: &Graph) -> Result<()> {
-    if plan.fingerprint != graph.description.fingerprint() {
+    if plan.fingerprint != graph.fingerprint() {
         let why = "was compiled from another graph: compile the one that is executed, after its last pass is recorded";
         return Err(Error::invalid(format!("the plan for graph `{}`", graph.description.name), why));
     }

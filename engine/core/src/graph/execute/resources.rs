@@ -9,7 +9,7 @@ use crate::graph::plan::{self, DeviceModel, End, Plan, Usage};
 use crate::{Error, Result};
 
 /// Memory of a frame's resources, by their number.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Resources(pub(super) Vec<Option<External>>);
 
 impl Resources {

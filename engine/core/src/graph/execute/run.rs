@@ -5,7 +5,7 @@ use ash::vk;
 use super::resources::Resources;
 use crate::gpu::{Commands, ViewInfo};
 use crate::graph::description::{Access, Range, ResourceId};
-use crate::graph::pass::{Attachment, Attachments, DrawFn, Groups, Work};
+use crate::graph::pass::{Attachment, Attachments, DrawFn, Groups, Raster, Work};
 use crate::graph::plan::Barriers;
 use crate::graph::record::{self, Batches, BoundCompute, Ready, Recorder};
 use crate::{Error, Result};
@@ -33,7 +33,8 @@ pub(super) fn run(
             }
             Ok(())
         }
-        Work::Raster { targets, attachments, draw, .. } => {
+        Work::Raster(raster) => {
+            let Raster { targets, attachments, draw, .. } = &mut **raster;
             render(device, commands, attachments, targets.view_mask, programs, draw, memory)
         }
         &mut Work::Fill { resource, range: Range::Buffer([first, end]), value } => {

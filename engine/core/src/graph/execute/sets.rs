@@ -3,7 +3,7 @@
 use ash::vk;
 
 use super::resources::Resources;
-use crate::gpu::{Buffer, Descriptor, DescriptorCache, Gpu, Image, Pipeline, SamplerInfo, ViewInfo};
+use crate::gpu::{Buffer, DescriptorCache, Gpu, Image, Pipeline, Points, SamplerInfo, ViewInfo};
 use crate::graph::builder::External;
 use crate::graph::description::Range;
 use crate::graph::name::Name;
@@ -22,21 +22,21 @@ pub(super) struct Sets<'a> {
     pub(super) arena: Option<&'a Buffer>,
     pub(super) cache: &'a mut DescriptorCache,
     /// Of the set that is made.
-    pub(super) contents: Vec<(u32, Descriptor)>,
+    pub(super) contents: Vec<(u32, Points<'a>)>,
 }
 
-impl Sets<'_> {
+impl<'a> Sets<'a> {
     /// The next pipelines, a pass's, each with its set 0.
     pub(super) fn ready(
         &mut self,
         pass: &Name,
         work: &Work,
-        pipelines: &mut impl Iterator<Item = Pipeline>,
+        pipelines: &mut std::slice::Iter<Pipeline>,
         ready: &mut Vec<Ready>,
     ) -> Result<()> {
         let (count, bound) = match work {
             Work::Compute { bound, .. } => (1, bound),
-            Work::Raster { programs, bound, .. } => (programs.len(), bound),
+            Work::Raster(raster) => (raster.programs.len(), &raster.bound),
             Work::Fill { .. } | Work::Clear { .. } | Work::ClearDepth { .. } | Work::Zero(_) => return Ok(()),
         };
         let bound = &self.bound[bound.clone()];
@@ -45,31 +45,30 @@ impl Sets<'_> {
             for wanted in pipeline.bindings().iter().filter(|wanted| wanted.binding.set == 0) {
                 let number = wanted.binding.binding;
                 let Some(found) = bound.iter().find(|bound| bound.binding == number) else { continue };
-                let descriptor = self.descriptor(pass, found, &wanted.binding)?;
-                self.contents.push((number, descriptor));
+                self.contents.push((number, self.points(pass, found, &wanted.binding)?));
             }
             let set = match self.contents.is_empty() {
                 true => vk::DescriptorSet::null(),
-                false => self.cache.set(&pipeline, 0, &self.contents)?,
+                false => self.cache.set(pipeline, 0, &self.contents)?,
             };
-            ready.push(Ready { pipeline, set });
+            ready.push(Ready { pipeline: pipeline.clone(), set });
         }
         Ok(())
     }
 
-    fn descriptor(&self, pass: &Name, bound: &Bound, binding: &Binding) -> Result<Descriptor> {
+    /// What lies behind a binding.
+    fn points(&self, pass: &Name, bound: &'a Bound, binding: &Binding) -> Result<Points<'a>> {
         let missing = || Error::invalid(format!("`{}` of pass `{pass}`", binding.name), "has no memory behind it");
         let kind = binding.image.map_or(vk::ImageViewType::TYPE_2D, |image| image.view);
         match &bound.what {
             What::Data(data) => {
-                let buffer = self.arena.ok_or_else(missing)?.clone();
-                Ok(Descriptor::Buffer { buffer, offset: data.offset, size: data.size })
+                let buffer = self.arena.ok_or_else(missing)?;
+                Ok(Points::Buffer { buffer, offset: data.offset, size: data.size })
             }
-            What::Buffer(buffer) => Ok(Descriptor::buffer(buffer)),
+            What::Buffer(buffer) => Ok(Points::buffer(buffer)),
             What::Image(image, sampler) => {
-                let view = image.whole().kind(kind);
                 let layout = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
-                self.image(binding, image.clone(), view, layout, sampler)
+                self.image(binding, image, image.whole().kind(kind), layout, sampler)
             }
             What::Resource { resource, range, layout, sampler } => {
                 match (self.memory.0[resource.0 as usize].as_ref().ok_or_else(missing)?, *range) {
@@ -78,12 +77,12 @@ impl Sets<'_> {
                         let depth = vk::ImageAspectFlags::DEPTH;
                         let aspects = if aspects.contains(depth) { depth } else { aspects };
                         let view = ViewInfo { kind, mips, layers, aspects, ..image.whole() };
-                        self.image(binding, image.clone(), view, *layout, sampler)
+                        self.image(binding, image, view, *layout, sampler)
                     }
                     (External::Buffer(buffer), Range::Buffer([first, end])) => {
                         // A size that a checkpoint told may be less than the description's.
                         let size = end.min(buffer.size()).saturating_sub(first);
-                        Ok(Descriptor::Buffer { buffer: buffer.clone(), offset: first, size })
+                        Ok(Points::Buffer { buffer, offset: first, size })
                     }
                     _ => Err(missing()),
                 }
@@ -94,16 +93,15 @@ impl Sets<'_> {
     fn image(
         &self,
         binding: &Binding,
-        image: Image,
+        image: &'a Image,
         view: ViewInfo,
         layout: vk::ImageLayout,
         sampler: &SamplerInfo,
-    ) -> Result<Descriptor> {
-        Ok(match binding.kind {
-            BindingKind::CombinedImageSampler => {
-                Descriptor::Sampled { image, view, layout, sampler: self.gpu.sampler(sampler)? }
-            }
-            _ => Descriptor::Image { image, view, layout },
-        })
+    ) -> Result<Points<'a>> {
+        let sampler = match binding.kind {
+            BindingKind::CombinedImageSampler => Some(self.gpu.sampler(sampler)?),
+            _ => None,
+        };
+        Ok(Points::Image { image, view, layout, sampler })
     }
 }

@@ -17,23 +17,18 @@ const KEPT_FRAMES: u64 = 4;
 #[derive(Default)]
 pub(super) struct Transients {
     heaps: Vec<(Requirements, Heap)>,
-    made: FxHashMap<Key, Made>,
+    /// By heap and offset.
+    made: FxHashMap<(usize, u64), Vec<Made>>,
     frame: u64,
 }
 
-/// What tells objects apart. Two resources that a frame has one after the other may be one object: the second begins
-/// with undefined contents either way.
-#[derive(PartialEq, Eq, Hash)]
-struct Key {
-    heap: usize,
-    offset: u64,
+/// An object, and what tells it apart from others in the same place. Two resources that a frame has one after the other
+/// may be one object: the second begins with undefined contents either way.
+struct Made {
     shape: Shape,
     usage: Usage,
     /// Where messages are to name each resource.
     name: Option<Name>,
-}
-
-struct Made {
     object: External,
     last_used: u64,
 }
@@ -87,7 +82,10 @@ impl Transients {
     pub(super) fn begin_frame(&mut self) {
         self.frame += 1;
         let frame = self.frame;
-        self.made.retain(|_, made| made.last_used + KEPT_FRAMES >= frame);
+        self.made.retain(|_, made| {
+            made.retain(|made| made.last_used + KEPT_FRAMES >= frame);
+            !made.is_empty()
+        });
     }
 
     /// The heap kept for this place where it fits, else a new one.
@@ -99,7 +97,7 @@ impl Transients {
             return Ok(());
         }
         self.heaps.truncate(index);
-        self.made.retain(|key, _| key.heap < index);
+        self.made.retain(|(heap, _), _| *heap < index);
         let heap = gpu.create_heap(&format!("transients {index}"), wanted, Memory::Device)?;
         self.heaps.push((wanted, heap));
         Ok(())
@@ -114,10 +112,11 @@ impl Transients {
         named: bool,
     ) -> Result<Option<External>> {
         let &Placement { heap, offset, .. } = placement;
-        let key =
-            Key { heap, offset, shape: resource.shape.clone(), usage, name: named.then(|| resource.name.clone()) };
         let last_used = self.frame;
-        if let Some(made) = self.made.get_mut(&key) {
+        let made = self.made.entry((heap, offset)).or_default();
+        let name = named.then_some(&resource.name);
+        let same = |made: &&mut Made| made.usage == usage && made.shape == resource.shape && made.name.as_ref() == name;
+        if let Some(made) = made.iter_mut().find(same) {
             made.last_used = last_used;
             return Ok(Some(made.object.clone()));
         }
@@ -132,7 +131,8 @@ impl Transients {
             }
             _ => return Ok(None),
         };
-        self.made.insert(key, Made { object: object.clone(), last_used });
+        let (shape, name) = (resource.shape.clone(), name.cloned());
+        made.push(Made { shape, usage, name, object: object.clone(), last_used });
         Ok(Some(object))
     }
 }

@@ -48,13 +48,13 @@ impl Shaders {
         }
     }
 
-    /// Bindings of set 0, each once: as its first shader has it, with that shader's file.
-    fn bindings(&self) -> impl Iterator<Item = (&'static Binding, &'static str)> {
+    /// Bindings of set 0, each once: as its first shader has it.
+    fn bindings(&self) -> impl Iterator<Item = &'static Binding> {
         let of = |shader: &&'static Shader| shader.bindings.iter().filter(|binding| binding.set == 0);
         self.all().iter().enumerate().flat_map(move |(index, shader)| {
             let before = &self.all()[..index];
             let is_new = move |binding: &&Binding| !before.iter().flat_map(of).any(|b| b.binding == binding.binding);
-            of(shader).filter(is_new).map(|binding| (binding, shader.file))
+            of(shader).filter(is_new)
         })
     }
 }
@@ -79,9 +79,10 @@ impl Collected {
                 known.access = ShaderAccess::ReadWrite;
             }
         }
-        let found = found.filter(|found| slot.set == 0 && found.binding.name == slot.name);
+        let same = |a: &str, b: &str| std::ptr::eq::<str>(a, b) || a == b;
+        let found = found.filter(|found| slot.set == 0 && same(found.binding.name, slot.name));
         if found.is_none() {
-            let known: Vec<_> = self.shaders.bindings().map(|(b, _)| format!("`{}`", b.name)).collect();
+            let known: Vec<_> = self.shaders.bindings().map(|b| format!("`{}`", b.name)).collect();
             let wrong = "is bound, but the pass's shaders do not have it".into();
             graph.mistake(Some(&self.name), Some(slot.name), wrong, known.join(", "));
         }
@@ -135,15 +136,23 @@ impl Collected {
     }
 
     pub(super) fn finish(self, graph: &mut Graph) -> (Name, Range<usize>) {
-        for (binding, file) in self.shaders.bindings() {
-            let count = graph.bound[self.first_bound..].iter().filter(|bound| bound.binding == binding.binding).count();
-            if count != 1 {
-                let wrong = format!("is bound {count} times; {file} has it");
-                graph.mistake(Some(&self.name), Some(binding.name), wrong, "once".into());
+        let (shaders, mine) = (self.shaders.all(), self.first_bound..graph.bound.len());
+        for (index, shader) in shaders.iter().enumerate() {
+            for binding in shader.bindings.iter().filter(|binding| binding.set == 0) {
+                let bound = graph.bound[mine.clone()].iter();
+                let count = bound.filter(|bound| bound.binding == binding.binding).count();
+                let known =
+                    |earlier: &&Shader| earlier.bindings.iter().any(|b| b.set == 0 && b.binding == binding.binding);
+                if count != 1 && !shaders[..index].iter().any(known) {
+                    let wrong = format!("is bound {count} times; {} has it", shader.file);
+                    graph.mistake(Some(&self.name), Some(binding.name), wrong, "once".into());
+                }
             }
         }
-        graph.queries.extend(self.counted.into_iter().map(|kind| Asked { pass: self.pass, kind }));
-        (self.name, self.first_bound..graph.bound.len())
+        if !self.counted.is_empty() {
+            graph.queries.extend(self.counted.into_iter().map(|kind| Asked { pass: self.pass, kind }));
+        }
+        (self.name, mine)
     }
 }
 

@@ -30,13 +30,7 @@ pub(in crate::graph) enum Work<'f> {
         push: Push<'f>,
         groups: Groups,
     },
-    Raster {
-        programs: Vec<Program>,
-        targets: Targets,
-        attachments: Attachments,
-        bound: Range<usize>,
-        draw: DrawFn<'f>,
-    },
+    Raster(Box<Raster<'f>>),
     Fill {
         resource: ResourceId,
         range: description::Range,
@@ -56,12 +50,22 @@ pub(in crate::graph) enum Work<'f> {
     Zero(Vec<(ResourceId, description::Range)>),
 }
 
+/// Draws: of one pass.
+pub(in crate::graph) struct Raster<'f> {
+    pub(in crate::graph) programs: Vec<Program>,
+    pub(in crate::graph) targets: Targets,
+    pub(in crate::graph) attachments: Attachments,
+    pub(in crate::graph) bound: Range<usize>,
+    pub(in crate::graph) draw: DrawFn<'f>,
+}
+
 impl Work<'_> {
     /// Adds what its pipelines are made from.
     pub(in crate::graph) fn pipelines<'a>(&'a self, wanted: &mut Vec<Wanted<'a>>) {
         match self {
             Self::Compute { shader, constants, .. } => wanted.push(Wanted::Compute(shader, constants)),
-            Self::Raster { programs, targets, .. } => {
+            Self::Raster(raster) => {
+                let Raster { programs, targets, .. } = &**raster;
                 wanted.extend(programs.iter().map(|program| Wanted::Graphics(program, targets)));
             }
             Self::Fill { .. } | Self::Clear { .. } | Self::ClearDepth { .. } | Self::Zero(_) => {}

@@ -4,7 +4,7 @@ use ash::vk;
 
 use super::bind::{Fits, Unchanging, binding_methods};
 use super::collect::{Collected, Shaders};
-use super::{Attachment, Attachments, Load, What, Work};
+use super::{Attachment, Attachments, Load, Raster, What, Work};
 use crate::Result;
 use crate::gpu::{Image, QueryKind, SamplerInfo};
 use crate::graph::builder::{Data, Graph};
@@ -115,8 +115,8 @@ impl<'g, 'f> RasterPass<'g, 'f> {
             graph.mistake(Some(name), None, wrong, "locations from 0 without a gap".into());
         }
         let (name, bound) = collected.finish(graph);
-        let work = Work::Raster { programs, targets, attachments, bound, draw: Box::new(draw) };
-        graph.push_collected(name, Queue::Graphics, work);
+        let raster = Raster { programs, targets, attachments, bound, draw: Box::new(draw) };
+        graph.push_collected(name, Queue::Graphics, Work::Raster(Box::new(raster)));
     }
 
     fn color_attachment(

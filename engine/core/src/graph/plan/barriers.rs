@@ -10,7 +10,7 @@ use super::stages::{any, both, earliest, latest, set, with_later, without};
 use super::usage::reads;
 use super::versions::Versions;
 use super::{Barriers, BufferBarrier, Hazard, ImageBarrier, MemoryBarrier, Ownership, Reason};
-use crate::graph::description::{Access, Description, Queue, ResourceId, Shape};
+use crate::graph::description::{Access, Description, Queue, Range, ResourceId, Shape};
 
 /// A barrier of one cell.
 #[derive(Clone, Copy, Debug)]
@@ -22,8 +22,37 @@ pub(super) struct Pending {
     /// The last use that it stands behind.
     pub(super) behind: At,
     /// First and end of the reliances on semaphores that it is chained to.
-    relies: [usize; 2],
+    relies: [u32; 2],
     kind: Kind,
+}
+
+/// All barriers, by cell.
+pub(super) struct AllPending {
+    pub(super) list: Vec<Pending>,
+    /// Numbers of barriers by the place where they stand, there by cell.
+    pub(super) order: Vec<u32>,
+}
+
+impl AllPending {
+    /// Where a barrier stands, and whether it releases.
+    pub(super) fn place(&self, index: u32) -> (At, bool) {
+        let barrier = &self.list[index as usize];
+        (barrier.at, barrier.release)
+    }
+
+    /// Puts them in order again. `steps`: how many there are.
+    pub(super) fn sort(&mut self, steps: usize) {
+        let place = |barrier: &Pending| 2 * barrier.at.place(steps) + usize::from(barrier.release);
+        let mut next = vec![0; 2 * (steps + 2) + 1];
+        self.list.iter().for_each(|barrier| next[place(barrier) + 1] += 1);
+        (1..next.len()).for_each(|place| next[place] += next[place - 1]);
+        self.order.resize(self.list.len(), 0);
+        for (index, barrier) in self.list.iter().enumerate() {
+            let next: &mut u32 = &mut next[place(barrier)];
+            self.order[*next as usize] = index as u32;
+            *next += 1;
+        }
+    }
 }
 
 /// Has barriers that are chained to semaphores begin with stages that these hold up; by reliance. Gives the resources
@@ -31,7 +60,7 @@ pub(super) struct Pending {
 pub(super) fn chain(context: &Context, pending: &mut [Pending], held: &[Stages]) -> Vec<ResourceId> {
     let mut chained = Vec::new();
     for barrier in pending.iter_mut() {
-        let [first, end] = barrier.relies;
+        let [first, end] = barrier.relies.map(|place| place as usize);
         if let Some(held) = held.get(first..end).filter(|held| !held.is_empty()) {
             barrier.kind.from.stages = held.iter().fold(barrier.kind.from.stages, |all, &stages| both(all, stages));
             chained.push(context.resource(barrier));
@@ -82,8 +111,12 @@ pub(super) struct Context<'a> {
 }
 
 /// Steps of one queue that wait for steps of another one.
-pub(super) fn crossings(history: &History, cells: usize, steps: usize) -> Vec<Crossing> {
+pub(super) fn crossings(history: &History, cells: usize, schedule: &Schedule) -> Vec<Crossing> {
     let mut crossings = Vec::new();
+    let steps = schedule.nodes.len();
+    if schedule.queues.iter().all(|queue| *queue == Queue::Graphics) {
+        return crossings;
+    }
     for cell in 0..cells as u32 {
         for pair in history.of(cell).windows(2).filter(|pair| pair[0].queue != pair[1].queue) {
             if let Some(from) = pair[0].last.index() {
@@ -95,7 +128,7 @@ pub(super) fn crossings(history: &History, cells: usize, steps: usize) -> Vec<Cr
 }
 
 /// Every barrier of every cell, and what is left to semaphores.
-pub(super) fn pending(context: &Context, placed: &Placed) -> (Vec<Pending>, Vec<Reliance>) {
+pub(super) fn pending(context: &Context, placed: &Placed) -> (AllPending, Vec<Reliance>) {
     let mut found = Found { pending: Vec::with_capacity(context.history.len()), ..Found::default() };
     // What the contents of a cell were made visible to since they were written.
     let mut visible: Vec<Seen> = Vec::new();
@@ -115,8 +148,9 @@ pub(super) fn pending(context: &Context, placed: &Placed) -> (Vec<Pending>, Vec<
             found.between(context, &pair[0], &pair[1], &mut visible);
         }
     }
-    found.pending.sort_by_key(|barrier| (barrier.at, barrier.release));
-    (found.pending, found.reliances)
+    let mut pending = AllPending { list: found.pending, order: Vec::new() };
+    pending.sort(context.schedule.nodes.len());
+    (pending, found.reliances)
 }
 
 /// To what the contents of a cell are visible.
@@ -144,7 +178,7 @@ impl Found {
     /// The last barrier is chained to the reliances from this one on.
     fn chained_from(&mut self, first: usize) {
         if let Some(barrier) = self.pending.last_mut() {
-            barrier.relies = [first, self.reliances.len()];
+            barrier.relies = [first as u32, self.reliances.len() as u32];
         }
     }
 
@@ -234,7 +268,7 @@ impl Found {
             let to = Access { layout: to.layout, ..Access::NONE };
             self.push(prev.last, true, Kind { to, ..kind });
         }
-        let unseen = if next.reads { unseen(next.queue, &to, visible) } else { Access::NONE };
+        let unseen = |visible: &[Seen]| if next.reads { unseen(next.queue, &to, visible) } else { Access::NONE };
         if synced {
             // The semaphore made everything visible. What stands here has to come behind it.
             if transition || ownership.is_some() {
@@ -251,7 +285,9 @@ impl Found {
         } else if transition || prev.write {
             self.push(next.first, false, kind);
             visible.clear();
-        } else if !unseen.mask.is_empty() {
+        } else if let unseen = unseen(visible)
+            && !unseen.mask.is_empty()
+        {
             // Made available by what made the earlier readers see it. A writer waits for those in all of its stages.
             let others = if next.write { without(to.stages, with_later(set(unseen.stages))) } else { Stages::NONE };
             let to = Access { stages: unseen.stages | earliest(others), ..unseen };
@@ -299,58 +335,49 @@ fn execution(access: Access) -> Access {
 /// Barriers of one resource, each with its cells.
 pub(super) type Alike = Vec<(Kind, Vec<u32>)>;
 
-/// Puts barriers of one place together: cells that share one become ranges. `pending`: all of one `at`.
+/// Puts barriers of one place together: cells that share one become ranges. `place`: their numbers among all.
 /// `alike`: room for what is alike.
-pub(super) fn together(context: &Context, pending: &[Pending], alike: &mut Alike, barriers: &mut Barriers) {
-    let resources = pending.iter().filter(|barrier| barrier.kind.scope == Scope::Resource);
-    let images = resources.filter(|barrier| context.is_image(context.resource(barrier))).count();
-    barriers.images.reserve_exact(images);
-    for chunk in pending.chunk_by(|a, b| context.resource(a) == context.resource(b)) {
-        let resource = context.resource(&chunk[0]);
-        let whole = context.versions.cells.of(resource).len() == 1;
+pub(super) fn together(context: &Context, all: &[Pending], place: &[u32], alike: &mut Alike, barriers: &mut Barriers) {
+    let resource_of = |&index: &u32| context.resource(&all[index as usize]);
+    for chunk in place.chunk_by(|a, b| resource_of(a) == resource_of(b)) {
+        let resource = resource_of(&chunk[0]);
+        if context.versions.cells.of(resource).len() == 1 {
+            let kind = |index: u32| &all[index as usize].kind;
+            for (place, &index) in chunk.iter().enumerate() {
+                if !chunk[..place].iter().any(|&known| kind(known) == kind(index)) {
+                    add(context, resource, kind(index), context.versions.cells.whole(resource), barriers);
+                }
+            }
+            continue;
+        }
         alike.clear();
-        for barrier in chunk {
+        for barrier in chunk.iter().map(|&index| &all[index as usize]) {
             match alike.iter_mut().find(|(kind, _)| *kind == barrier.kind) {
                 Some((_, cells)) => cells.push(barrier.cell),
-                None => alike.push((barrier.kind, if whole { Vec::new() } else { vec![barrier.cell] })),
+                None => alike.push((barrier.kind, vec![barrier.cell])),
             }
         }
         for (kind, cells) in &*alike {
-            let reason = Reason {
-                hazard: kind.hazard,
-                resource: Some(resource),
-                before: kind.before.index().map(|step| context.schedule.work(step)),
-                after: kind.after.index().map(|step| context.schedule.work(step)),
-            };
-            let Kind { from, to, ownership, .. } = *kind;
-            match kind.scope {
-                Scope::Memory => barriers.memory.push(MemoryBarrier { from, to, reason }),
-                Scope::Resource => {
-                    let mut one = None;
-                    let mut parts = Vec::new();
-                    match whole {
-                        true => one = Some(context.description.resources[resource.0 as usize].shape.whole()),
-                        false => parts = context.versions.cells.ranges(cells),
-                    }
-                    for range in one.into_iter().chain(parts) {
-                        if context.is_image(resource) {
-                            let follows = Access::NONE;
-                            barriers.images.push(ImageBarrier {
-                                resource,
-                                range,
-                                from,
-                                follows,
-                                to,
-                                ownership,
-                                reason,
-                            });
-                        } else {
-                            barriers.buffers.push(BufferBarrier { resource, range, from, to, ownership, reason });
-                        }
-                    }
-                }
-            }
+            let ranges = context.versions.cells.ranges(cells);
+            // One for all memory does for all parts.
+            let count = if kind.scope == Scope::Memory { 1 } else { ranges.len() };
+            ranges.into_iter().take(count).for_each(|range| add(context, resource, kind, range, barriers));
         }
+    }
+}
+
+/// Adds Vulkan's barrier for a range of a resource.
+fn add(context: &Context, resource: ResourceId, kind: &Kind, range: Range, barriers: &mut Barriers) {
+    let Kind { scope, from, to, ownership, hazard, before, after } = *kind;
+    let work = |at: At| at.index().map(|step| context.schedule.work(step));
+    let reason = Reason { hazard, resource: Some(resource), before: work(before), after: work(after) };
+    match scope {
+        Scope::Memory => barriers.memory.push(MemoryBarrier { from, to, reason }),
+        Scope::Resource if context.is_image(resource) => {
+            let follows = Access::NONE;
+            barriers.images.push(ImageBarrier { resource, range, from, follows, to, ownership, reason });
+        }
+        Scope::Resource => barriers.buffers.push(BufferBarrier { resource, range, from, to, ownership, reason }),
     }
 }
 
@@ -366,6 +393,9 @@ impl Context<'_> {
     /// Steps on other queues than graphics that use imported resources first: they wait for what graphics did to them
     /// before the frame, and for their release.
     pub(super) fn takers(&self, pending: &[Pending]) -> Vec<usize> {
+        if self.schedule.queues.iter().all(|queue| *queue == Queue::Graphics) {
+            return Vec::new();
+        }
         let cells = 0..self.versions.cells.len() as u32;
         let arrived = cells.filter_map(|cell| match self.history.of(cell) {
             [first, next, ..] if first.first == At::START && !first.access.stages.is_empty() => next.first.index(),

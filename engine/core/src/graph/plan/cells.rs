@@ -9,9 +9,12 @@ use crate::graph::description::{Description, Origin, Range, ResourceId, Shape};
 
 /// Cells of all resources, and which of them each version covers.
 pub(super) struct Cells {
+    /// By resource: all of it.
+    wholes: Vec<Range>,
     /// By resource, then the total.
     first: Vec<u32>,
-    grids: Vec<Grid>,
+    /// How resources of more than one cell are cut, ascending.
+    grids: Vec<(ResourceId, Grid)>,
     /// Resource of each cell.
     resource: Vec<ResourceId>,
     /// By version, then the total: its slots.
@@ -22,8 +25,6 @@ pub(super) struct Cells {
 
 /// How a resource is cut into cells.
 enum Grid {
-    /// Not at all.
-    Whole(Range),
     /// Aspects, then mips, then layers; ascending bounds.
     Image { aspects: Vec<Aspects>, mips: Vec<u32>, layers: Vec<u32> },
     /// Ascending bounds.
@@ -31,55 +32,85 @@ enum Grid {
 }
 
 impl Cells {
-    /// Cuts resources where ranges of versions begin and end. Versions marked broken cover nothing.
-    pub(super) fn new(description: &Description, broken: &[bool]) -> Self {
-        let mut parts: Vec<Vec<Range>> = vec![Vec::new(); description.resources.len()];
+    /// Cuts resources where ranges of versions begin and end. Versions marked broken cover nothing. `wholes`: by
+    /// resource, all of it.
+    pub(super) fn new(description: &Description, wholes: Vec<Range>, broken: &[bool]) -> Self {
+        // 1. Where resources are cut.
+        let mut parts: Vec<(ResourceId, Range)> = Vec::new();
         for (version, _) in description.versions.iter().zip(broken).filter(|(_, broken)| !**broken) {
-            let index = version.resource.0 as usize;
-            let known = &mut parts[index];
-            if version.range != description.resources[index].shape.whole() && !known.contains(&version.range) {
-                known.push(version.range);
+            if version.range != wholes[version.resource.0 as usize] {
+                parts.push((version.resource, version.range));
             }
         }
-        for (resource, known) in description.resources.iter().zip(&mut parts) {
+        for (index, resource) in description.resources.iter().enumerate() {
             if let Origin::Kept { before, .. } = &resource.origin {
-                let whole = resource.shape.whole();
-                known.extend(
-                    before.iter().map(|state| state.range).filter(|part| *part != whole && part.lies_in(&whole)),
-                );
+                let whole = &wholes[index];
+                let arriving = before.iter().map(|state| state.range);
+                let arriving = arriving.filter(|part| part != whole && part.lies_in(whole));
+                parts.extend(arriving.map(|part| (ResourceId(index as u32), part)));
             }
         }
+        parts.sort_by_key(|(resource, _)| *resource);
+
+        // 2. Cells of each resource.
+        let (resources, versions) = (description.resources.len(), description.versions.len());
         let mut cells = Self {
-            first: vec![0],
-            grids: Vec::with_capacity(parts.len()),
-            resource: Vec::new(),
-            first_slot: Vec::with_capacity(description.versions.len() + 1),
-            slot_cells: Vec::with_capacity(description.versions.len()),
+            wholes,
+            first: Vec::with_capacity(resources + 1),
+            grids: Vec::new(),
+            resource: Vec::with_capacity(resources),
+            first_slot: Vec::with_capacity(versions + 1),
+            slot_cells: Vec::new(),
         };
-        for (index, (resource, parts)) in description.resources.iter().zip(&parts).enumerate() {
-            let grid = Grid::new(&resource.shape, parts);
-            let end = cells.resource.len() + grid.count();
-            cells.resource.resize(end, ResourceId(index as u32));
-            cells.first.push(end as u32);
-            cells.grids.push(grid);
+        let mut parts = parts.chunk_by(|a, b| a.0 == b.0).peekable();
+        cells.first.push(0);
+        for (index, resource) in description.resources.iter().enumerate() {
+            let id = ResourceId(index as u32);
+            match parts.next_if(|parts| parts[0].0 == id) {
+                None => cells.resource.push(id),
+                Some(parts) => {
+                    let grid = Grid::new(&resource.shape, parts);
+                    cells.resource.resize(cells.resource.len() + grid.count(), id);
+                    cells.grids.push((id, grid));
+                }
+            }
+            cells.first.push(cells.resource.len() as u32);
         }
+
+        // 3. Slots of each version.
         cells.first_slot.push(0);
+        let mut slot_cells = Vec::with_capacity(versions);
         for (version, broken) in description.versions.iter().zip(broken) {
             if !broken {
-                let mut slot_cells = std::mem::take(&mut cells.slot_cells);
-                cells.cover(version.resource, version.range, &mut slot_cells);
-                cells.slot_cells = slot_cells;
+                match cells.of(version.resource) {
+                    one if one.len() == 1 => slot_cells.push(one.start),
+                    _ => cells.cover(version.resource, version.range, &mut slot_cells),
+                }
             }
-            cells.first_slot.push(cells.slot_cells.len() as u32);
+            cells.first_slot.push(slot_cells.len() as u32);
         }
-        cells
+        Self { slot_cells, ..cells }
+    }
+
+    /// All of a resource.
+    pub(super) fn whole(&self, resource: ResourceId) -> Range {
+        self.wholes[resource.0 as usize]
+    }
+
+    /// How a resource is cut; `None`: not at all.
+    fn grid(&self, resource: ResourceId) -> Option<&Grid> {
+        if self.of(resource).len() == 1 {
+            return None;
+        }
+        let place = self.grids.binary_search_by_key(&resource, |(known, _)| *known).ok()?;
+        Some(&self.grids[place].1)
     }
 
     /// Adds the cells of a range, which begins and ends where cells do, in ascending order.
     pub(super) fn cover(&self, resource: ResourceId, range: Range, covered: &mut Vec<u32>) {
         let first = self.first[resource.0 as usize];
-        match (&self.grids[resource.0 as usize], range) {
-            (Grid::Image { aspects, mips, layers }, Range::Image { aspects: a, mips: m, layers: l }) => {
+        match (self.grid(resource), range) {
+            (Some(Grid::Image { aspects, mips, layers }), Range::Image { aspects: a, mips: m, layers: l }) => {
                 let (m, l) = (span(mips, m), span(layers, l));
                 let (rows, columns) = (mips.len() as u32 - 1, layers.len() as u32 - 1);
                 for aspect in (0..aspects.len() as u32).filter(|&i| a.contains(aspects[i as usize])) {
@@ -88,7 +119,7 @@ impl Cells {
                     }
                 }
             }
-            (Grid::Buffer(bounds), Range::Buffer(bytes)) => {
+            (Some(Grid::Buffer(bounds)), Range::Buffer(bytes)) => {
                 covered.extend(span(bounds, bytes).map(|i| first + i));
             }
             _ => covered.push(first),
@@ -133,6 +164,9 @@ impl Cells {
     /// A version's slot for a cell.
     pub(super) fn slot(&self, version: usize, cell: u32) -> Option<usize> {
         let slots = self.slots(version);
+        if slots.len() == 1 {
+            return (self.slot_cells[slots.start] == cell).then_some(slots.start);
+        }
         let index = self.slot_cells[slots.clone()].binary_search(&cell).ok()?;
         Some(slots.start + index)
     }
@@ -142,13 +176,13 @@ impl Cells {
         let Some(&start) = cells.first() else { return Vec::new() };
         let resource = self.resource(start);
         let first = self.first[resource.0 as usize];
-        match &self.grids[resource.0 as usize] {
-            Grid::Whole(range) => vec![*range],
-            Grid::Buffer(bounds) => {
+        match self.grid(resource) {
+            None => vec![self.whole(resource)],
+            Some(Grid::Buffer(bounds)) => {
                 let runs = runs(cells.iter().map(|cell| cell - first));
                 runs.map(|[a, b]| Range::Buffer([bounds[a as usize], bounds[b as usize]])).collect()
             }
-            Grid::Image { aspects, mips, layers } => {
+            Some(Grid::Image { aspects, mips, layers }) => {
                 boxes(cells.iter().map(|cell| cell - first), mips.len() as u32 - 1, layers.len() as u32 - 1)
                     .into_iter()
                     .map(|part| Range::Image {
@@ -165,17 +199,14 @@ impl Cells {
 }
 
 impl Grid {
-    fn new(shape: &Shape, parts: &[Range]) -> Self {
-        if parts.is_empty() {
-            return Grid::Whole(shape.whole());
-        }
+    fn new(shape: &Shape, parts: &[(ResourceId, Range)]) -> Self {
         match shape {
             Shape::Image(shape) => {
                 let all = shape.aspects();
                 let single = (0..32).map(|bit| Aspects::from_raw(1 << bit)).filter(|&bit| all.contains(bit));
                 let mut mips = vec![0, shape.mips];
                 let mut layers = vec![0, shape.layers];
-                for part in parts {
+                for (_, part) in parts {
                     if let Range::Image { mips: m, layers: l, .. } = part {
                         mips.extend(m);
                         layers.extend(l);
@@ -184,7 +215,7 @@ impl Grid {
                 Grid::Image { aspects: single.collect(), mips: bounds(mips), layers: bounds(layers) }
             }
             Shape::Buffer { size } => {
-                let ends = parts.iter().flat_map(|part| match part {
+                let ends = parts.iter().flat_map(|(_, part)| match part {
                     Range::Buffer(bytes) => bytes.to_vec(),
                     Range::Image { .. } => Vec::new(),
                 });
@@ -195,7 +226,6 @@ impl Grid {
 
     fn count(&self) -> usize {
         match self {
-            Grid::Whole(_) => 1,
             Grid::Image { aspects, mips, layers } => aspects.len() * (mips.len() - 1) * (layers.len() - 1),
             Grid::Buffer(bounds) => bounds.len() - 1,
         }

@@ -9,39 +9,100 @@ pub(super) type Node = u32;
 /// One use of one cell.
 #[derive(Clone, Copy)]
 pub(super) struct Event {
-    /// The cell.
-    pub(super) cell: u32,
     /// Epoch `e` is written at `2 e - 1` and read at `2 e`. Who reads and writes over is only a writer.
     pub(super) time: u32,
     /// Who.
     pub(super) node: Node,
-    /// The version it makes.
-    pub(super) makes: Option<VersionId>,
+    /// Which of the pass's uses it is; 0 of a read-back.
+    pub(super) used: u32,
 }
 
 /// Uses of all cells, by cell and time.
-pub(super) fn events(description: &Description, versions: &Versions, live: &[bool]) -> Vec<Event> {
-    let uses: usize = description.passes.iter().map(|pass| pass.uses.len()).sum();
-    let mut events = Vec::with_capacity(uses + description.roots.len());
-    let mut add = |node: Node, version: VersionId, makes: Option<VersionId>| {
-        for slot in versions.cells.slots(version.0 as usize) {
-            let time = 2 * versions.epoch[slot] + u32::from(makes.is_some());
-            events.push(Event { cell: versions.cells.cell(slot), time, node, makes });
+pub(super) struct Events {
+    /// By cell, then the total.
+    first: Vec<u32>,
+    list: Vec<Event>,
+}
+
+impl Events {
+    /// Of all passes and read-backs, as far as their versions are known.
+    pub(super) fn new(description: &Description, versions: &Versions) -> Self {
+        // 1. In recorded order, and how many each cell has.
+        let cells = versions.cells.len();
+        let mut first = vec![0; cells + 1];
+        let mut recorded: Vec<(u32, Event)> = Vec::with_capacity(versions.cells.slot_count() + description.roots.len());
+        let mut add = |node: Node, used: u32, version: VersionId, writes: bool| {
+            for slot in versions.cells.slots(version.0 as usize) {
+                let (cell, time) = (versions.cells.cell(slot), 2 * versions.epoch[slot] + u32::from(writes));
+                first[cell as usize + 1] += 1;
+                recorded.push((cell, Event { time, node, used }));
+            }
+        };
+        for (node, pass) in description.passes.iter().enumerate() {
+            for (index, used) in pass.uses.iter().enumerate().filter(|(_, used)| versions.is_known(used.version)) {
+                let writes = used.makes.is_some_and(|made| versions.is_known(made));
+                add(node as Node, index as u32, used.version, writes);
+            }
         }
-    };
-    for (index, pass) in description.passes.iter().enumerate().filter(|(index, _)| live[*index]) {
-        for used in pass.uses.iter().filter(|used| versions.is_known(used.version)) {
-            add(index as Node, used.version, used.makes.filter(|&made| versions.is_known(made)));
+        let passes = description.passes.len() as Node;
+        for (index, root) in description.roots.iter().enumerate() {
+            if root.read_back && versions.is_known(root.version) {
+                add(passes + index as Node, 0, root.version, false);
+            }
+        }
+
+        // 2. By cell, and there by time: most come in order.
+        (0..cells).for_each(|cell| first[cell + 1] += first[cell]);
+        let mut list = vec![Event { time: 0, node: 0, used: 0 }; recorded.len()];
+        let mut next = first.clone();
+        for (cell, event) in recorded {
+            let place = &mut next[cell as usize];
+            list[*place as usize] = event;
+            *place += 1;
+        }
+        let mut events = Self { first, list };
+        (0..cells as u32).for_each(|cell| events.sort(cell, |event| event.time));
+        events
+    }
+
+    /// Number of all.
+    pub(super) fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// Number of cells.
+    pub(super) fn cells(&self) -> u32 {
+        self.first.len() as u32 - 1
+    }
+
+    /// Of one cell, in order.
+    pub(super) fn of(&self, cell: u32) -> &[Event] {
+        &self.list[self.first[cell as usize] as usize..self.first[cell as usize + 1] as usize]
+    }
+
+    /// Puts those of one cell in order, where they are not; events that are alike stay as they are.
+    pub(super) fn sort(&mut self, cell: u32, key: impl Fn(&Event) -> u32) {
+        let events = &mut self.list[self.first[cell as usize] as usize..self.first[cell as usize + 1] as usize];
+        if !events.is_sorted_by_key(&key) {
+            events.sort_by_key(&key);
         }
     }
-    let passes = description.passes.len() as Node;
-    for (index, root) in description.roots.iter().enumerate() {
-        if root.read_back && versions.is_known(root.version) {
-            add(passes + index as Node, root.version, None);
+
+    /// Leaves out what does not run.
+    pub(super) fn retain(&mut self, runs: impl Fn(Node) -> bool) {
+        let (mut kept, mut begin) = (0, 0);
+        for cell in 1..self.first.len() {
+            let end = self.first[cell] as usize;
+            for index in begin..end {
+                if runs(self.list[index].node) {
+                    self.list[kept] = self.list[index];
+                    kept += 1;
+                }
+            }
+            (begin, self.first[cell]) = (end, kept as u32);
         }
+        self.list.truncate(kept);
     }
-    events.sort_by_key(|event| (event.cell, event.time));
-    events
 }
 
 /// Who waits for whom.
@@ -50,33 +111,50 @@ pub(super) struct Dependencies {
     first: Vec<u32>,
     /// Who waits for the node, and for a use of which cell.
     after: Vec<(Node, u32)>,
+    /// Whether nodes wait only for those recorded before them.
+    forward: bool,
 }
 
 impl Dependencies {
     /// From events in order. `nodes`: how many there are.
-    pub(super) fn new(events: &[Event], nodes: usize) -> Self {
+    pub(super) fn new(events: &Events, nodes: usize) -> Self {
+        // 1. The users of one time wait for those of the time before.
         let mut edges: Vec<(Node, Node, u32)> = Vec::with_capacity(events.len());
-        for cell in events.chunk_by(|a, b| a.cell == b.cell) {
-            let mut sets = cell.chunk_by(|a, b| a.time == b.time);
+        let mut counts = vec![0; nodes + 1];
+        let mut forward = true;
+        for cell in 0..events.cells() {
+            let mut sets = events.of(cell).chunk_by(|a, b| a.time == b.time);
             let Some(mut earlier) = sets.next() else { continue };
             for later in sets {
                 for from in earlier {
-                    let others = later.iter().filter(|to| to.node != from.node);
-                    edges.extend(others.map(|to| (from.node, to.node, from.cell)));
+                    for to in later.iter().filter(|to| to.node != from.node) {
+                        forward &= from.node < to.node;
+                        counts[from.node as usize + 1] += 1;
+                        edges.push((from.node, to.node, cell));
+                    }
                 }
                 earlier = later;
             }
         }
-        edges.sort_unstable();
-        edges.dedup_by_key(|(from, to, _)| (*from, *to));
+
+        // 2. By node, each once, for the first cell that asks for it.
+        (0..nodes).for_each(|node| counts[node + 1] += counts[node]);
+        let mut sorted = vec![(0, 0); edges.len()];
+        let mut next = counts.clone();
+        for (from, to, cell) in edges {
+            let place = &mut next[from as usize];
+            sorted[*place as usize] = (to, cell);
+            *place += 1;
+        }
+        let mut after = Vec::with_capacity(sorted.len());
         let mut first = vec![0; nodes + 1];
-        for (from, ..) in &edges {
-            first[*from as usize + 1] += 1;
-        }
         for node in 0..nodes {
-            first[node + 1] += first[node];
+            let mine = &mut sorted[counts[node] as usize..counts[node + 1] as usize];
+            mine.sort_unstable();
+            mine.chunk_by(|a, b| a.0 == b.0).for_each(|alike| after.push(alike[0]));
+            first[node + 1] = after.len() as u32;
         }
-        Self { first, after: edges.into_iter().map(|(_, to, cell)| (to, cell)).collect() }
+        Self { first, after, forward }
     }
 
     /// Who waits for a node, and for a use of which cell.
@@ -95,6 +173,9 @@ impl Dependencies {
 
     /// Nodes that wait for one another in a circle, each with the cell over which the next one waits for it.
     pub(super) fn cycle(&self) -> Option<Vec<(Node, u32)>> {
+        if self.forward {
+            return None;
+        }
         let mut waits = self.counts();
         let mut ready: Vec<Node> = (0..waits.len() as Node).filter(|&node| waits[node as usize] == 0).collect();
         while let Some(node) = ready.pop() {

@@ -2,32 +2,47 @@
 //! `vkCmdPipelineBarrier2` drains the device. The last place that still serves the barrier due first serves every
 //! other one whose uses lie around it: as few calls as can be (points that stab intervals).
 
-use super::barriers::Pending;
+use super::barriers::AllPending;
 use super::history::{At, Schedule};
 use super::queues::Crossing;
 
-/// Moves barriers up to where one stands anyway. `pending` comes, and stays, sorted by place. `takers`: steps that wait
-/// for graphics to hand over what was imported.
-pub(super) fn gather(pending: &mut [Pending], schedule: &Schedule, crossings: &[Crossing], takers: &[usize]) {
+/// Moves barriers up to where one stands anyway. `takers`: steps that wait for graphics to hand over what was imported.
+pub(super) fn gather(pending: &mut AllPending, schedule: &Schedule, crossings: &[Crossing], takers: &[usize]) {
     let waits = waits(schedule, crossings.iter().map(|crossing| crossing.to).chain(takers.iter().copied()));
-    // By queue: where some barrier stands. What only orders comes last: others may order as much.
+    // By queue: where some barrier stands, ascending. What only orders comes last: others may order as much.
     let mut places: [Vec<At>; 3] = Default::default();
     for orders in [false, true] {
-        for barrier in pending.iter_mut().filter(|barrier| !barrier.release && barrier.only_orders() == orders) {
+        // By queue: how many of the places are passed, and the last one, which may be new.
+        let (mut passed, mut last) = ([0; 3], [None; 3]);
+        for &index in &pending.order {
+            let barrier = &mut pending.list[index as usize];
+            if barrier.release || barrier.only_orders() != orders {
+                continue;
+            }
             let Some(step) = barrier.at.index() else { continue };
             let queue = schedule.queues[step];
-            let places = &mut places[queue as usize];
+            let (places, passed, last) =
+                (&mut places[queue as usize], &mut passed[queue as usize], &mut last[queue as usize]);
+            while let Some(place) = places.get(*passed).filter(|place| **place <= barrier.at) {
+                *last = (*last).max(Some(*place));
+                *passed += 1;
+            }
             let here = |before: Option<usize>| before.is_none_or(|step| schedule.queues[step] == queue);
-            let before = barrier.behind;
-            let place = places.partition_point(|place| *place <= barrier.at);
-            match place.checked_sub(1).map(|last| places[last]) {
-                Some(place) if place > before && place >= waits[step] && here(before.index()) => barrier.at = place,
-                Some(last) if last == barrier.at => {}
-                _ => places.insert(place, barrier.at),
+            match *last {
+                Some(place) if place > barrier.behind && place >= waits[step] && here(barrier.behind.index()) => {
+                    barrier.at = place;
+                }
+                Some(place) if place == barrier.at => {}
+                _ => {
+                    *last = Some(barrier.at);
+                    if !orders {
+                        places.push(barrier.at);
+                    }
+                }
             }
         }
     }
-    pending.sort_by_key(|barrier| (barrier.at, barrier.release, barrier.cell));
+    pending.sort(schedule.nodes.len());
 }
 
 /// By step: the last step up to it that its queue waits for another one before. What a semaphore orders comes behind.

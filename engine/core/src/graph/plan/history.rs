@@ -2,11 +2,11 @@
 
 use ash::vk::{AccessFlags2 as Mask, ImageLayout, PipelineStageFlags2 as Stages};
 
-use super::dependencies::Node;
+use super::dependencies::{Events, Node};
 use super::stages::holds;
 use super::versions::Versions;
 use super::{End, Work};
-use crate::graph::description::{Access, Description, Origin, Queue, ResourceId, Shape, State, VersionId};
+use crate::graph::description::{Access, Description, Origin, Queue, Resource, ResourceId, Shape, State, VersionId};
 
 /// A moment of the frame: before it, a step, or after it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -22,6 +22,11 @@ impl At {
     /// During a step.
     pub(super) fn step(step: usize) -> At {
         At(step as u32 + 1)
+    }
+
+    /// Its number among all moments of a frame of so many steps.
+    pub(super) fn place(self, steps: usize) -> usize {
+        (self.0 as usize).min(steps + 1)
     }
 
     /// The step, where it is one.
@@ -77,18 +82,41 @@ pub(super) struct History {
 
 impl History {
     /// From the order of steps.
-    pub(super) fn new(description: &Description, versions: &Versions, schedule: &Schedule) -> Self {
-        let events = events(description, versions, schedule);
-        let cells = versions.cells.len();
-        let mut history = Self { groups: Vec::with_capacity(events.len()), first: Vec::with_capacity(cells + 1) };
-        let mut events = events.into_iter().peekable();
+    pub(super) fn new(description: &Description, versions: &Versions, mut events: Events, schedule: &Schedule) -> Self {
+        let mut steps = vec![0; description.passes.len() + description.roots.len()];
+        schedule.nodes.iter().enumerate().for_each(|(step, &node)| steps[node as usize] = step as u32);
+        let cells = events.cells();
+        let mut history =
+            Self { groups: Vec::with_capacity(events.len()), first: Vec::with_capacity(cells as usize + 1) };
         history.first.push(0);
-        for cell in 0..cells as u32 {
+        for cell in 0..cells {
             let resource = versions.cells.resource(cell);
+            let is_image = is_image(&description.resources[resource.0 as usize]);
             let from = history.groups.len();
             history.groups.extend(arrives(description, versions, cell));
-            while let Some((_, group)) = events.next_if(|(other, _)| *other == cell) {
-                history.push(from, group);
+            events.sort(cell, |event| steps[event.node as usize]);
+            for event in events.of(cell) {
+                let at = At::step(steps[event.node as usize] as usize);
+                let queue = schedule.queues[steps[event.node as usize] as usize];
+                let (access, makes, reads) = match description.passes.get(event.node as usize) {
+                    Some(pass) => {
+                        let used = &pass.uses[event.used as usize];
+                        (used.access, used.makes, used.reads)
+                    }
+                    None => (Access::copy_read(), None, true),
+                };
+                history.push(
+                    from,
+                    Group {
+                        first: at,
+                        last: at,
+                        queue,
+                        access: normal(access, is_image),
+                        write: makes.is_some(),
+                        reads: reads || makes.is_none(),
+                        fork: makes.and_then(|made| versions.fork[made.0 as usize]),
+                    },
+                );
             }
             if let Some(end) = leaves(description, resource, &history.groups[from..]) {
                 history.push(from, end);
@@ -135,35 +163,6 @@ impl Group {
     }
 }
 
-/// Uses of all steps, by cell and step.
-fn events(description: &Description, versions: &Versions, schedule: &Schedule) -> Vec<(u32, Group)> {
-    let mut events = Vec::with_capacity(schedule.nodes.len() * 2);
-    for step in 0..schedule.nodes.len() {
-        let mut add = |version: VersionId, makes: Option<VersionId>, reads: bool, access: Access| {
-            let shape = &description.resources[description.versions[version.0 as usize].resource.0 as usize].shape;
-            let group = Group {
-                first: At::step(step),
-                last: At::step(step),
-                queue: schedule.queues[step],
-                access: normal(access, shape),
-                write: makes.is_some(),
-                reads: reads || makes.is_none(),
-                fork: makes.and_then(|made| versions.fork[made.0 as usize]),
-            };
-            events.extend(versions.cells.covered(version.0 as usize).iter().map(|&cell| (cell, group)));
-        };
-        match schedule.work(step) {
-            Work::Pass(pass) => {
-                let uses = &description.passes[pass.0 as usize].uses;
-                uses.iter().for_each(|used| add(used.version, used.makes, used.reads, used.access));
-            }
-            Work::ReadBack(root) => add(description.roots[root].version, None, true, Access::copy_read()),
-        }
-    }
-    events.sort_by_key(|(cell, _)| *cell);
-    events
-}
-
 /// The state that a cell of an imported or kept resource arrives in.
 fn arrives(description: &Description, versions: &Versions, cell: u32) -> Option<Group> {
     let resource = &description.resources[versions.cells.resource(cell).0 as usize];
@@ -172,7 +171,7 @@ fn arrives(description: &Description, versions: &Versions, cell: u32) -> Option<
         Origin::Imported { before, .. } => before,
         Origin::Kept { .. } => versions.arrival.get(&cell)?.access,
     };
-    Some(outside(At::START, normal(before, &resource.shape)))
+    Some(outside(At::START, normal(before, is_image(resource))))
 }
 
 /// The state that an imported or kept resource is to be left in, where that asks for anything: it is left to graphics.
@@ -187,7 +186,7 @@ fn leaves(description: &Description, resource: ResourceId, groups: &[Group]) -> 
     };
     let last = groups.last()?;
     match after {
-        Some(after) => Some(outside(At::END, normal(after, &resource.shape))),
+        Some(after) => Some(outside(At::END, normal(after, is_image(resource)))),
         None if last.queue == Queue::Graphics => None,
         None => Some(outside(At::END, Access { layout: last.access.layout, ..taken })),
     }
@@ -230,9 +229,10 @@ fn outside(at: At, access: Access) -> Group {
 }
 
 /// Buffers have no layout.
-fn normal(access: Access, shape: &Shape) -> Access {
-    match shape {
-        Shape::Image(_) => access,
-        Shape::Buffer { .. } => Access { layout: ImageLayout::UNDEFINED, ..access },
-    }
+fn normal(access: Access, is_image: bool) -> Access {
+    if is_image { access } else { Access { layout: ImageLayout::UNDEFINED, ..access } }
+}
+
+fn is_image(resource: &Resource) -> bool {
+    matches!(resource.shape, Shape::Image(_))
 }

@@ -6,10 +6,17 @@ use super::queues::{Crossing, QUEUES};
 use super::versions::Versions;
 use crate::graph::description::{Description, Queue, ResourceId};
 
+/// First and last step of something in use; `NEVER`: of nothing.
+type Steps = [u32; 2];
+
+const NEVER: Steps = [u32::MAX, 0];
+
 /// First and last use of each resource on each queue, and what each step knows to be done.
 pub(super) struct Lifetimes {
-    /// By resource and queue: first and last step.
-    pub(super) steps: Vec<[Option<[usize; 2]>; 3]>,
+    /// By resource and queue.
+    steps: Vec<[Steps; 3]>,
+    /// By resource, over all queues; what is kept lives to the end of the frame.
+    spans: Vec<Steps>,
     /// By resource: kept to the end of the frame.
     kept: Vec<bool>,
     /// By step (then the end) and queue: the first step that may still be running on that queue.
@@ -26,32 +33,39 @@ impl Lifetimes {
         schedule: &Schedule,
         crossings: &[Crossing],
     ) -> Self {
-        let mut steps = vec![[None; 3]; description.resources.len()];
+        let mut steps = vec![[NEVER; 3]; description.resources.len()];
         for cell in 0..versions.cells.len() as u32 {
-            let known: &mut [Option<[usize; 2]>; 3] = &mut steps[versions.cells.resource(cell).0 as usize];
+            let known = &mut steps[versions.cells.resource(cell).0 as usize];
             for group in history.of(cell) {
-                let (Some(first), last) = (group.first.index(), group.last.index()) else { continue };
-                let last = last.unwrap_or(schedule.nodes.len());
-                let span = &mut known[group.queue as usize];
-                *span = Some(span.map_or([first, last], |[a, b]| [a.min(first), b.max(last)]));
+                let Some(first) = group.first.index() else { continue };
+                let last = group.last.index().unwrap_or(schedule.nodes.len());
+                let [from, to] = &mut known[group.queue as usize];
+                (*from, *to) = ((*from).min(first as u32), (*to).max(last as u32));
             }
         }
         let mut kept = vec![false; description.resources.len()];
         for root in description.roots.iter().filter(|root| !root.read_back) {
             kept[description.versions[root.version.0 as usize].resource.0 as usize] = true;
         }
+        let end = schedule.nodes.len().saturating_sub(1) as u32;
+        let span = |(known, kept): (&[Steps; 3], &bool)| {
+            let all = known.iter().fold(NEVER, |all, [from, to]| [all[0].min(*from), all[1].max(*to)]);
+            if *kept && all != NEVER { [all[0], end] } else { all }
+        };
+        let spans = steps.iter().zip(&kept).map(span).collect();
         let queues = schedule.queues.clone();
         let one_queue = queues.iter().all(|queue| *queue == queues[0]);
-        Self { steps, kept, done: done(schedule, crossings), queues, one_queue }
+        let done = if one_queue && queues.first().is_none_or(|queue| *queue == Queue::Graphics) {
+            Vec::new()
+        } else {
+            done(schedule, crossings)
+        };
+        Self { steps, spans, kept, done, queues, one_queue }
     }
 
     /// First and last step over all queues.
-    pub(super) fn span(&self, resource: ResourceId) -> Option<[usize; 2]> {
-        let index = resource.0 as usize;
-        let spans = self.steps[index].iter().flatten();
-        let [first, last] = spans.copied().reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])?;
-        let end = self.queues.len().saturating_sub(1);
-        Some([first, if self.kept[index] { end } else { last }])
+    pub(super) fn span(&self, resource: ResourceId) -> Option<Steps> {
+        Some(self.spans[resource.0 as usize]).filter(|span| *span != NEVER)
     }
 
     /// Whether all steps run on one queue.
@@ -61,6 +75,10 @@ impl Lifetimes {
 
     /// Whether semaphores order all work of a queue up to `prev` before `next`, and make it visible.
     pub(super) fn is_done(&self, prev: At, queue: Queue, next: At) -> bool {
+        // Without other queues nobody waits for a semaphore.
+        if self.done.is_empty() {
+            return false;
+        }
         let end = self.queues.len();
         let done = self.done[next.index().unwrap_or(end)][queue as usize];
         prev.index().map_or(prev == At::START && done > 0, |step| done > step)
@@ -68,12 +86,16 @@ impl Lifetimes {
 
     /// Whether every use of `a` is done, by the order of its queue or by semaphores, when `b` begins.
     pub(super) fn before(&self, a: ResourceId, b: ResourceId) -> bool {
-        let ends = self.steps[a.0 as usize].iter().enumerate().filter_map(|(queue, span)| Some((queue, (*span)?[1])));
-        let starts = self.steps[b.0 as usize].iter().flatten().map(|span| span[0]);
+        let used = |resource: ResourceId| {
+            self.steps[resource.0 as usize].iter().enumerate().filter(|(_, steps)| **steps != NEVER)
+        };
+        let ends = used(a).map(|(queue, steps)| (queue, steps[1] as usize));
+        let starts = used(b).map(|(_, steps)| steps[0] as usize);
         !self.kept[a.0 as usize]
             && starts.into_iter().all(|start| {
                 ends.clone().all(|(queue, end)| {
-                    end < start && (self.queues[start] as usize == queue || self.done[start][queue] > end)
+                    let done = || self.done.get(start).is_some_and(|done| done[queue] > end);
+                    end < start && (self.queues[start] as usize == queue || done())
                 })
             })
     }
@@ -112,13 +134,14 @@ pub(super) fn report(description: &Description, versions: &Versions, history: &H
     let mut lifetimes = Vec::with_capacity(resources);
     for resource in (0..resources as u32).map(ResourceId) {
         let span = |cell: u32| {
-            let steps = history.of(cell).iter().flat_map(|group| [group.first, group.last]).filter_map(At::index);
-            let (first, last) = steps.fold((usize::MAX, 0), |(a, b), step| (a.min(step), b.max(step)));
-            (first <= last).then_some([first, last])
+            let groups = history.of(cell);
+            let first = groups.iter().flat_map(|group| [group.first, group.last]).find_map(At::index)?;
+            let last = groups.iter().rev().flat_map(|group| [group.last, group.first]).find_map(At::index)?;
+            Some([first, last])
         };
         let cells = versions.cells.of(resource);
         if cells.len() == 1 {
-            let range = description.resources[resource.0 as usize].shape.whole();
+            let range = versions.cells.whole(resource);
             lifetimes.extend(span(cells.start).map(|steps| Lifetime { resource, range, steps }));
             continue;
         }

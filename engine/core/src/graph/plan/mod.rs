@@ -9,6 +9,7 @@ mod device;
 mod gather;
 mod history;
 mod lifetimes;
+mod memo;
 mod order;
 mod output;
 mod pack;
@@ -25,20 +26,22 @@ mod versions;
 pub use apart::{Apart, apart};
 pub use device::{DeviceModel, Requirements, Usage};
 pub use output::{
-    Barriers, Batch, BufferBarrier, End, Heap, ImageBarrier, Lifetime, MemoryBarrier, Ownership, Placement, Plan,
-    Statistics, Step, Wait, Work,
+    Barriers, Batch, BufferBarrier, End, Heap, ImageBarrier, ImageBarriers, Lifetime, MemoryBarrier, Ownership,
+    Placement, Plan, Statistics, Step, Wait, Work,
 };
 pub use reason::{CullReason, Hazard, Reason};
 pub use segments::{Segment, segment};
 pub(super) use segments::{first_segment, states};
 pub(super) use versions::held_at_the_end;
 
+use std::hash::{Hash, Hasher};
+
 use ash::vk::ImageLayout as Layout;
-use rustc_hash::FxHashMap;
 
 use self::barriers::Context;
-use self::dependencies::{Dependencies, events};
+use self::dependencies::{Dependencies, Events};
 use self::history::History;
+use self::memo::Memo;
 use self::queues::{Families, RoundTrip};
 use self::versions::Versions;
 use super::description::{Access, Description, Origin, PassId, Queue, ResourceId, Shape};
@@ -62,23 +65,28 @@ struct Chosen {
     /// By pass.
     live: Vec<bool>,
     culled: Vec<(PassId, CullReason)>,
-    /// Who waits for whom, where that is known.
-    dependencies: Option<Dependencies>,
+    /// What happens to each cell.
+    events: Events,
+    /// Who waits for whom.
+    dependencies: Dependencies,
 }
 
 fn choose(description: &Description, device: &dyn DeviceModel) -> Result<Chosen, GraphErrors> {
     // 1. Find everything that is wrong.
-    let (versions, dependencies) = validate::validate(description, device)?;
+    let (versions, mut events, mut dependencies) = validate::validate(description, device)?;
 
     // 2. Leave out what no root and no side effect needs.
     let (live, culled) = cull::cull(description, &versions);
     cull::check_kept(description, &versions, &live)?;
-    let dependencies = culled.is_empty().then_some(dependencies);
-    Ok(Chosen { versions, live, culled, dependencies })
+    if !culled.is_empty() {
+        events.retain(|node| live.get(node as usize).is_none_or(|live| *live));
+        dependencies = Dependencies::new(&events, description.passes.len() + description.roots.len());
+    }
+    Ok(Chosen { versions, live, culled, events, dependencies })
 }
 
 fn plan_chosen(description: &Description, chosen: Chosen, device: &dyn DeviceModel) -> Result<Plan, GraphErrors> {
-    let Chosen { versions, live, culled, dependencies } = chosen;
+    let Chosen { versions, live, culled, events, dependencies } = chosen;
 
     // 3. What each resource is used for, and the memory it takes.
     let usages = usage::usages(description, &live);
@@ -86,8 +94,6 @@ fn plan_chosen(description: &Description, chosen: Chosen, device: &dyn DeviceMod
     let bytes: Vec<u64> = requirements.iter().map(|needs| needs.map_or(0, |needs| needs.size.max(1))).collect();
 
     // 4. Put passes and read-backs in order.
-    let nodes = description.passes.len() + description.roots.len();
-    let dependencies = dependencies.unwrap_or_else(|| Dependencies::new(&events(description, &versions, &live), nodes));
     let order = order::order(description, &dependencies, &live, &bytes);
 
     // 5. Give each a queue.
@@ -95,8 +101,8 @@ fn plan_chosen(description: &Description, chosen: Chosen, device: &dyn DeviceMod
     let schedule = queues::assign(description, &versions, order, &families);
 
     // 6. What happens to each cell, and when each resource is alive.
-    let history = History::new(description, &versions, &schedule);
-    let crossings = barriers::crossings(&history, versions.cells.len(), schedule.nodes.len());
+    let history = History::new(description, &versions, events, &schedule);
+    let crossings = barriers::crossings(&history, versions.cells.len(), &schedule);
     let lifetimes = lifetimes::Lifetimes::new(description, &versions, &history, &schedule, &crossings);
 
     // 7. Give transients their memory.
@@ -112,11 +118,11 @@ fn plan_chosen(description: &Description, chosen: Chosen, device: &dyn DeviceMod
         families,
     };
     let (mut pending, reliances) = barriers::pending(&context, &placed);
-    let takers = context.takers(&pending);
+    let takers = context.takers(&pending.list);
     gather::gather(&mut pending, &schedule, &crossings, &takers);
     let mut batches = queues::batches(&schedule, crossings, &takers);
     let (held, trips) = queues::narrow(&mut batches, &schedule, &reliances);
-    let chained = barriers::chain(&context, &mut pending, &held);
+    let chained = barriers::chain(&context, &mut pending.list, &held);
     let steps = (0..schedule.nodes.len())
         .map(|step| Step { work: schedule.work(step), queue: schedule.queues[step], barriers: Barriers::default() })
         .collect();
@@ -160,12 +166,13 @@ fn requirements(
     let mut errors = Vec::new();
     let mut all = Vec::with_capacity(usages.len());
     // A device is asked once for resources that are alike.
-    let mut known: FxHashMap<(&Shape, Usage), Requirements> = FxHashMap::default();
+    let mut known: Memo<Alike, Requirements> = Memo::new();
     for (resource, usage) in description.resources.iter().zip(usages) {
         let usage = usage.filter(|_| resource.origin == Origin::Transient);
+        let shape = &resource.shape;
         let needs = usage.map(|usage| {
-            let alike = known.entry((&resource.shape, usage));
-            *alike.or_insert_with(|| device.requirements(&resource.shape, usage))
+            let ask = || (device.requirements(shape, usage), true);
+            known.get(Alike { shape, usage }, ask)
         });
         if let Some(Requirements { size, alignment, .. }) = needs
             && size.max(alignment) > MOST_BYTES
@@ -184,20 +191,38 @@ fn requirements(
     if errors.is_empty() { Ok(all) } else { Err(GraphErrors { graph: description.name.clone(), errors }) }
 }
 
+/// What the memory that a resource takes follows from.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct Alike<'a> {
+    shape: &'a Shape,
+    usage: Usage,
+}
+
+impl Hash for Alike<'_> {
+    /// Sizes alone tell most resources apart.
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        state.write_u64(match self.shape {
+            Shape::Image(shape) => u64::from(shape.extent[0]) << 32 | u64::from(shape.format.as_raw() as u32),
+            Shape::Buffer { size } => *size,
+        });
+    }
+}
+
 /// Puts each barrier before its step, at the end of its batch, or at the end of the frame.
-fn attach(plan: &mut Plan, context: &Context, pending: &[barriers::Pending]) {
-    let mut batch_of = vec![0; plan.steps.len()];
-    for (index, batch) in plan.batches.iter().enumerate() {
+fn attach(plan: &mut Plan, context: &Context, pending: &barriers::AllPending) {
+    let mut batch_of = vec![0; if plan.is_single_queue() { 0 } else { plan.steps.len() }];
+    for (index, batch) in plan.batches.iter().enumerate().skip(1) {
         batch.steps.iter().for_each(|&step| batch_of[step] = index);
     }
     let mut alike = Vec::new();
-    for place in pending.chunk_by(|a, b| (a.at, a.release) == (b.at, b.release)) {
-        let barriers = match (place[0].release, place[0].at.index()) {
-            (true, step) => &mut plan.batches[step.map_or(0, |step| batch_of[step])].release,
+    for place in pending.order.chunk_by(|&a, &b| pending.place(a) == pending.place(b)) {
+        let (at, release) = pending.place(place[0]);
+        let barriers = match (release, at.index()) {
+            (true, step) => &mut plan.batches[step.and_then(|step| batch_of.get(step)).copied().unwrap_or(0)].release,
             (false, Some(step)) => &mut plan.steps[step].barriers,
             (false, None) => &mut plan.finally,
         };
-        barriers::together(context, place, &mut alike, barriers);
+        barriers::together(context, &pending.list, place, &mut alike, barriers);
     }
 }
 

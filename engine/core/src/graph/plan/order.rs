@@ -5,6 +5,9 @@
 //! the one that frees the most memory, or takes the least; then the one recorded first. Read-backs come when nothing
 //! else can: at the end, or where a pass waits to write over what they copy.
 
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
 use super::dependencies::{Dependencies, Node};
 use crate::graph::description::{Description, ResourceId};
 
@@ -24,33 +27,67 @@ pub(super) fn order(description: &Description, dependencies: &Dependencies, live
     };
     let mut waits = dependencies.counts();
     let nodes = 0..waits.len() as Node;
-    let mut ready: Vec<Node> = nodes.filter(|&node| is_live(node) && waits[node as usize] == 0).collect();
+    let mut ready = Ready::new(nodes.filter(|&node| is_live(node) && waits[node as usize] == 0).collect());
     // By node: the first place in the order that is far enough from all it waited for.
     let mut apart = vec![0; waits.len()];
     let mut memory = Memory::new(description, is_live, bytes);
-    let mut order = Vec::with_capacity(ready.len());
-    while !ready.is_empty() {
-        let window = &ready[..ready.len().min(WINDOW)];
+    let mut order = Vec::with_capacity(waits.len());
+    while !ready.first.is_empty() {
         let score = |&node: &Node| {
             let is_pass = (node as usize) < passes;
             let near = apart[node as usize].max(order.len()) - order.len();
-            (is_pass, std::cmp::Reverse(near), memory.gain(node), std::cmp::Reverse(node))
+            (is_pass, Reverse(near), memory.gain(node), Reverse(node))
         };
-        let best = (0..window.len()).max_by_key(|&index| score(&window[index])).unwrap_or(0);
-        let node = ready.remove(best);
+        let best = match ready.first.len() {
+            1 => 0,
+            count => (0..count).max_by_key(|&index| score(&ready.first[index])).unwrap_or(0),
+        };
+        let node = ready.take(best);
         memory.run(node);
         for &(after, _) in dependencies.after(node) {
             let after = after as usize;
             apart[after] = order.len() + 1 + APART;
             waits[after] -= 1;
             if waits[after] == 0 && is_live(after as Node) {
-                let place = ready.partition_point(|&other| other < after as Node);
-                ready.insert(place, after as Node);
+                ready.add(after as Node);
             }
         }
         order.push(node);
     }
     order
+}
+
+/// What could come next.
+struct Ready {
+    /// The first ones recorded, ascending.
+    first: Vec<Node>,
+    /// Those behind them.
+    rest: BinaryHeap<Reverse<Node>>,
+}
+
+impl Ready {
+    /// `nodes`: ascending.
+    fn new(nodes: Vec<Node>) -> Self {
+        let (first, rest) = nodes.split_at(nodes.len().min(WINDOW));
+        Self { first: first.to_vec(), rest: rest.iter().map(|&node| Reverse(node)).collect() }
+    }
+
+    fn take(&mut self, index: usize) -> Node {
+        let node = self.first.remove(index);
+        self.first.extend(self.rest.pop().map(|Reverse(node)| node));
+        node
+    }
+
+    fn add(&mut self, node: Node) {
+        let place = self.first.partition_point(|&other| other < node);
+        if place == WINDOW {
+            return self.rest.push(Reverse(node));
+        }
+        if self.first.len() == WINDOW {
+            self.rest.extend(self.first.pop().map(Reverse));
+        }
+        self.first.insert(place, node);
+    }
 }
 
 /// Which transients are alive.

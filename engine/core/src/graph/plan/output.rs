@@ -1,5 +1,7 @@
 //! A plan: plain data, no device, no lifetime.
 
+use smallvec::SmallVec;
+
 use super::Usage;
 use super::reason::{CullReason, Reason};
 use crate::graph::description::{Access, PassId, Queue, Range, ResourceId, State};
@@ -87,12 +89,15 @@ pub struct Wait {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Barriers {
     /// Layout transitions, and memory dependencies of images.
-    pub images: Vec<ImageBarrier>,
+    pub images: ImageBarriers,
     /// Memory dependencies of buffers.
     pub buffers: Vec<BufferBarrier>,
     /// Dependencies of no single resource: execution only, memory that changes its tenant, the host.
     pub memory: Vec<MemoryBarrier>,
 }
+
+/// Barriers of images: most batches have few.
+pub type ImageBarriers = SmallVec<[ImageBarrier; 2]>;
 
 /// A `VkImageMemoryBarrier2`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

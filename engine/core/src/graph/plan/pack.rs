@@ -16,7 +16,7 @@ pub(super) struct Block {
     pub(super) size: u64,
     pub(super) alignment: u64,
     /// First and last step of its life.
-    pub(super) steps: [usize; 2],
+    pub(super) steps: [u32; 2],
 }
 
 /// How many pairs of blocks the search looks at, all in all: a millisecond or two.
@@ -42,8 +42,9 @@ pub(super) fn pack(blocks: &[Block], bound: u64, conflict: Option<&dyn Fn(usize,
     // 1. Sweep over time.
     let mut best = Packing { end: u64::MAX, offsets: Vec::new() };
     if conflict.is_none() {
+        let lives = Lives::new(blocks);
         for (backwards, tightest) in [(false, false), (true, false), (false, true), (true, true)] {
-            let next = sweep(blocks, backwards, tightest);
+            let next = sweep(blocks, &lives, backwards, tightest);
             best = if next.end < best.end { next } else { best };
             if best.end <= bound {
                 return best.offsets;
@@ -69,29 +70,85 @@ pub(super) fn pack(blocks: &[Block], bound: u64, conflict: Option<&dyn Fn(usize,
     search(blocks, &conflicts, &orders, bound, best).offsets
 }
 
-/// Places blocks as they come to life, in what is free at that time.
-fn sweep(blocks: &[Block], backwards: bool, tightest: bool) -> Packing {
-    let life = |index: u32| {
-        let [first, last] = blocks[index as usize].steps;
-        // Backwards, lives begin at their ends.
-        if backwards { [usize::MAX - last, usize::MAX - first] } else { [first, last] }
-    };
-    let mut births: Vec<u32> = (0..blocks.len() as u32).collect();
-    births.sort_unstable_by_key(|&index| (life(index)[0], u64::MAX - blocks[index as usize].size, index));
-    let mut deaths: Vec<u32> = births.clone();
-    deaths.sort_unstable_by_key(|&index| (life(index)[1], index));
-    let mut deaths = deaths.into_iter().peekable();
+/// Blocks by the steps at which their lives begin and end, the largest first.
+struct Lives {
+    begin: BySteps,
+    end: BySteps,
+}
+
+impl Lives {
+    fn new(blocks: &[Block]) -> Self {
+        let [mut begin, mut end] = [0, 1].map(|side| BySteps::new(blocks, |block| block.steps[side]));
+        if blocks.iter().any(|block| block.size != blocks[0].size) {
+            begin.sort_by_size(blocks);
+            end.sort_by_size(blocks);
+        }
+        Self { begin, end }
+    }
+}
+
+/// Blocks by a step of each.
+pub(super) struct BySteps {
+    /// By step, then the total.
+    first: Vec<u32>,
+    list: Vec<u32>,
+}
+
+impl BySteps {
+    /// Those of one step by their number.
+    pub(super) fn new(blocks: &[Block], step: impl Fn(&Block) -> u32) -> Self {
+        let steps = blocks.iter().map(|block| block.steps[1] as usize + 1).max().unwrap_or(0);
+        let mut first = vec![0; steps + 1];
+        blocks.iter().for_each(|block| first[step(block) as usize + 1] += 1);
+        (0..steps).for_each(|step| first[step + 1] += first[step]);
+        let (mut list, mut next) = (vec![0; blocks.len()], first.clone());
+        for (index, block) in blocks.iter().enumerate() {
+            let place = &mut next[step(block) as usize];
+            list[*place as usize] = index as u32;
+            *place += 1;
+        }
+        Self { first, list }
+    }
+
+    /// Blocks in order.
+    pub(super) fn all(&self) -> &[u32] {
+        &self.list
+    }
+
+    fn steps(&self) -> usize {
+        self.first.len() - 1
+    }
+
+    fn at(&self, step: usize) -> &[u32] {
+        &self.list[self.first[step] as usize..self.first[step + 1] as usize]
+    }
+
+    fn sort_by_size(&mut self, blocks: &[Block]) {
+        for step in 0..self.steps() {
+            let mine = &mut self.list[self.first[step] as usize..self.first[step + 1] as usize];
+            mine.sort_unstable_by_key(|&index| (std::cmp::Reverse(blocks[index as usize].size), index));
+        }
+    }
+}
+
+/// Places blocks as they come to life, in what is free at that time. Backwards, lives begin at their ends.
+fn sweep(blocks: &[Block], lives: &Lives, backwards: bool, tightest: bool) -> Packing {
+    let (births, deaths) = if backwards { (&lives.end, &lives.begin) } else { (&lives.begin, &lives.end) };
     let mut free = Free { gaps: vec![[0, u64::MAX]] };
     let mut packing = Packing { end: 0, offsets: vec![0; blocks.len()] };
-    for index in births {
-        while let Some(dead) = deaths.next_if(|&dead| life(dead)[1] < life(index)[0]) {
-            let start = packing.offsets[dead as usize];
-            free.give([start, start + blocks[dead as usize].size]);
+    let steps = births.steps();
+    for step in 0..steps {
+        let step = if backwards { steps - 1 - step } else { step };
+        for &index in births.at(step) {
+            let block = &blocks[index as usize];
+            let offset = free.take(block.size, block.alignment, tightest);
+            packing.offsets[index as usize] = offset;
+            packing.end = packing.end.max(offset + block.size);
         }
-        let block = &blocks[index as usize];
-        let offset = free.take(block.size, block.alignment, tightest);
-        packing.offsets[index as usize] = offset;
-        packing.end = packing.end.max(offset + block.size);
+        for &index in deaths.at(step) {
+            let start = packing.offsets[index as usize];
+            free.give([start, start + blocks[index as usize].size]);
+        }
     }
     packing
 }
@@ -110,23 +167,30 @@ impl Free {
         // The last gap holds anything that is smaller than all memory.
         let Some((place, &[first, end])) = found else { return 0 };
         let offset = start(&[first, end]);
-        let rest = [[first, offset], [offset + size, end]].into_iter().filter(|[first, end]| first < end);
-        self.gaps.splice(place..=place, rest);
+        match (first < offset, offset + size < end) {
+            (false, false) => {
+                self.gaps.remove(place);
+            }
+            (false, true) => self.gaps[place][0] = offset + size,
+            (true, false) => self.gaps[place][1] = offset,
+            (true, true) => {
+                self.gaps[place][1] = offset;
+                self.gaps.insert(place + 1, [offset + size, end]);
+            }
+        }
         offset
     }
 
-    fn give(&mut self, [mut first, mut end]: [u64; 2]) {
+    fn give(&mut self, [first, end]: [u64; 2]) {
         let place = self.gaps.partition_point(|gap| gap[0] < first);
-        let mut replaced = place..place;
-        if let Some(before) = place.checked_sub(1).filter(|&before| self.gaps[before][1] == first) {
-            first = self.gaps[before][0];
-            replaced.start = before;
+        let joins_before = place > 0 && self.gaps[place - 1][1] == first;
+        let joins_after = self.gaps.get(place).is_some_and(|after| after[0] == end);
+        match (joins_before, joins_after) {
+            (true, true) => self.gaps[place - 1][1] = self.gaps.remove(place)[1],
+            (true, false) => self.gaps[place - 1][1] = end,
+            (false, true) => self.gaps[place][0] = first,
+            (false, false) => self.gaps.insert(place, [first, end]),
         }
-        if let Some(after) = self.gaps.get(place).filter(|after| after[0] == end) {
-            end = after[1];
-            replaced.end = place + 1;
-        }
-        self.gaps.splice(replaced, [[first, end]]);
     }
 }
 
@@ -199,14 +263,14 @@ impl Conflicts {
 fn orders_to_try(blocks: &[Block]) -> impl Iterator<Item = Vec<u32>> {
     let key = |block: &Block, way: usize| -> [u128; 2] {
         let size = u128::from(block.size);
-        let duration = (block.steps[1] - block.steps[0] + 1) as u128;
+        let duration = u128::from(block.steps[1] - block.steps[0] + 1);
         match way {
             0 => [size, duration],
             1 => [size * duration, size],
             2 => [duration, size],
             3 => [block.alignment.into(), size],
-            4 => [u128::MAX - block.steps[0] as u128, size],
-            _ => [block.steps[1] as u128, size],
+            4 => [u128::MAX - u128::from(block.steps[0]), size],
+            _ => [block.steps[1].into(), size],
         }
     };
     (0..6).map(move |way| {

@@ -1,9 +1,7 @@
 //! Where transients lie: which share a heap, where each lies in it, and whose memory it takes over.
 
-use std::collections::BTreeMap;
-
 use super::lifetimes::Lifetimes;
-use super::pack::{Block, pack};
+use super::pack::{Block, BySteps, pack};
 use super::{DeviceModel, Heap, Placement, Requirements};
 use crate::graph::description::{Description, ResourceId, Shape};
 
@@ -15,6 +13,8 @@ pub(super) struct Placed {
     pub(super) heaps: Vec<Heap>,
     /// Resources, each with those whose memory it takes over; ascending.
     earlier: Vec<[ResourceId; 2]>,
+    /// By resource, then the total: where its own begin.
+    first_earlier: Vec<u32>,
     /// Sum of the heaps' lower bounds.
     pub(super) lower_bound: u64,
     /// Bytes if nothing shared memory.
@@ -24,16 +24,15 @@ pub(super) struct Placed {
 impl Placed {
     /// Those whose memory a resource takes over.
     pub(super) fn earlier(&self, resource: ResourceId) -> impl Iterator<Item = ResourceId> {
-        let first = self.earlier.partition_point(|pair| pair[0] < resource);
-        self.earlier[first..].iter().take_while(move |pair| pair[0] == resource).map(|pair| pair[1])
+        let places = self.first_earlier.get(resource.0 as usize..resource.0 as usize + 2);
+        let places = places.map_or(0..0, |places| places[0] as usize..places[1] as usize);
+        self.earlier[places].iter().map(|pair| pair[1])
     }
 }
 
 /// A resource to place.
 struct Item {
     resource: ResourceId,
-    /// Its size is a multiple of the granularity where that matters.
-    block: Block,
     /// What the device asks for.
     bytes: u64,
 }
@@ -49,13 +48,12 @@ pub(super) fn place(
     let mut groups = by_memory_type(requirements, lifetimes);
     groups.reverse();
     while let Some((type_bits, mut resources)) = groups.pop() {
-        let items = items(description, device.granularity(), requirements, lifetimes, &resources);
-        let lower_bound = lower_bound(&items);
-        let blocks: Vec<Block> = items.iter().map(|item| item.block).collect();
+        let (items, blocks) = items(description, device.granularity(), requirements, lifetimes, &resources);
+        let lower_bound = lower_bound(&items, &blocks);
         let conflict = |earlier: usize, later: usize| !lifetimes.before(items[earlier].resource, items[later].resource);
         let offsets = pack(&blocks, lower_bound, (!lifetimes.one_queue()).then_some(&conflict));
         let heap = placed.heaps.len();
-        let end = items.iter().zip(&offsets).map(|(item, offset)| offset + item.block.size).max().unwrap_or(0);
+        let end = blocks.iter().zip(&offsets).map(|(block, offset)| offset + block.size).max().unwrap_or(0);
         // More than the device allocates at once becomes two heaps, each of about half of the bytes.
         if end > device.most_at_once() && resources.len() > 1 {
             let half = items.iter().map(|item| item.bytes).sum::<u64>() / 2;
@@ -68,22 +66,25 @@ pub(super) fn place(
             groups.extend([(type_bits, rest), (type_bits, resources)]);
             continue;
         }
-        let alignment = items.iter().map(|item| item.block.alignment).max().unwrap_or(1);
+        let alignment = blocks.iter().map(|block| block.alignment).max().unwrap_or(1);
         placed.heaps.push(Heap { size: end, alignment, type_bits });
         placed.lower_bound += lower_bound;
         placed.unaliased += items.iter().map(|item| item.bytes).sum::<u64>();
-        tenants(&items, &offsets, &mut placed.earlier);
-        placed.placements.extend(items.iter().zip(&offsets).map(|(item, &offset)| Placement {
+        tenants(&items, &blocks, &offsets, &mut placed.earlier);
+        placed.placements.extend(items.iter().zip(&blocks).zip(&offsets).map(|((item, block), &offset)| Placement {
             resource: item.resource,
             heap,
             offset,
             size: item.bytes,
-            steps: item.block.steps,
+            steps: block.steps.map(|step| step as usize),
         }));
     }
     placed.placements.sort_unstable_by_key(|placement| placement.resource);
     placed.earlier.sort_unstable();
     placed.earlier.dedup();
+    placed.first_earlier = vec![0; requirements.len() + 1];
+    placed.earlier.iter().for_each(|[resource, _]| placed.first_earlier[resource.0 as usize + 1] += 1);
+    (0..requirements.len()).for_each(|index| placed.first_earlier[index + 1] += placed.first_earlier[index]);
     placed
 }
 
@@ -110,63 +111,59 @@ fn items(
     requirements: &[Option<Requirements>],
     lifetimes: &Lifetimes,
     resources: &[ResourceId],
-) -> Vec<Item> {
+) -> (Vec<Item>, Vec<Block>) {
     let is_image = |id: &&ResourceId| matches!(description.resources[id.0 as usize].shape, Shape::Image(_));
     let images = resources.iter().filter(is_image).count();
     let mixed = images > 0 && images < resources.len();
     let granularity = if mixed { granularity.max(1) } else { 1 };
     let item = |&resource: &ResourceId| {
         let needs = requirements[resource.0 as usize]?;
-        Some(Item {
-            resource,
-            block: Block {
-                size: needs.size.max(1).next_multiple_of(granularity),
-                alignment: needs.alignment.max(1).max(granularity),
-                steps: lifetimes.span(resource)?,
-            },
-            bytes: needs.size,
-        })
+        let block = Block {
+            size: needs.size.max(1).next_multiple_of(granularity),
+            alignment: needs.alignment.max(1).max(granularity),
+            steps: lifetimes.span(resource)?,
+        };
+        Some((Item { resource, bytes: needs.size }, block))
     };
-    resources.iter().filter_map(item).collect()
+    resources.iter().filter_map(item).unzip()
 }
 
 /// The most bytes alive at once.
-fn lower_bound(items: &[Item]) -> u64 {
-    let births = items.iter().map(|item| (item.block.steps[0], 1, item.bytes));
-    let deaths = items.iter().map(|item| (item.block.steps[1] + 1, 0, item.bytes));
-    let mut changes: Vec<_> = births.chain(deaths).collect();
-    // Both are in order for most frames, and are only merged.
-    changes.sort();
+fn lower_bound(items: &[Item], blocks: &[Block]) -> u64 {
+    // By step: bytes that come to life, and those that were alive up to the step before.
+    let steps = blocks.iter().map(|block| block.steps[1] as usize + 2).max().unwrap_or(0);
+    let mut changes = vec![[0; 2]; steps];
+    for (item, block) in items.iter().zip(blocks) {
+        let [first, last] = block.steps.map(|step| step as usize);
+        changes[first][0] += item.bytes;
+        changes[last + 1][1] += item.bytes;
+    }
     let mut alive = 0;
-    changes.iter().fold(0, |most, &(_, birth, bytes)| {
-        alive = if birth == 1 { alive + bytes } else { alive - bytes };
+    changes.iter().fold(0, |most, [born, dead]| {
+        alive = alive - dead + born;
         most.max(alive)
     })
 }
 
 /// Finds out whose memory each item takes over, byte by byte the last one that had it.
-fn tenants(items: &[Item], offsets: &[u64], earlier: &mut Vec<[ResourceId; 2]>) {
-    let mut order: Vec<usize> = (0..items.len()).collect();
-    order.sort_by_key(|&i| (items[i].block.steps[0], items[i].resource));
-    // Memory by its start: where it ends and who had it last.
-    let mut memory: BTreeMap<u64, (u64, ResourceId)> = BTreeMap::new();
-    let mut overlapped = Vec::new();
-    for index in order {
-        let item = &items[index];
-        let (start, end) = (offsets[index], offsets[index] + item.block.size);
-        let before = memory.range(..end).rev().take_while(|(_, (stop, _))| *stop > start);
-        overlapped.clear();
-        overlapped.extend(before.map(|(&first, &(stop, who))| (first, stop, who)));
-        for &(first, stop, who) in &overlapped {
-            memory.remove(&first);
-            if first < start {
-                memory.insert(first, (start, who));
+fn tenants(items: &[Item], blocks: &[Block], offsets: &[u64], earlier: &mut Vec<[ResourceId; 2]>) {
+    // Memory by its start: where it begins and ends, and who had it last.
+    let mut memory: Vec<(u64, u64, ResourceId)> = Vec::new();
+    let births = BySteps::new(blocks, |block| block.steps[0]);
+    for &index in births.all() {
+        let resource = items[index as usize].resource;
+        let start = offsets[index as usize];
+        let end = start + blocks[index as usize].size;
+        let first = memory.partition_point(|part| part.1 <= start);
+        let last = first + memory[first..].iter().take_while(|part| part.0 < end).count();
+        earlier.extend(memory[first..last].iter().map(|part| [resource, part.2]));
+        match &mut memory[first..last] {
+            [one] if one.0 == start && one.1 == end => one.2 = resource,
+            parts => {
+                let left = parts.first().filter(|part| part.0 < start).map(|part| (part.0, start, part.2));
+                let right = parts.last().filter(|part| part.1 > end).map(|part| (end, part.1, part.2));
+                memory.splice(first..last, left.into_iter().chain([(start, end, resource)]).chain(right));
             }
-            if stop > end {
-                memory.insert(end, (stop, who));
-            }
-            earlier.push([item.resource, who]);
         }
-        memory.insert(start, (end, item.resource));
     }
 }

@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 
 use ash::vk::{AccessFlags2 as Mask, PipelineStageFlags2 as Stages};
 
-use super::stages::{COUNT, Set, bits, both, holds, members, set, single, with_earlier, with_later, without};
+use super::stages::{COUNT, Set, any, bits, both, holds, members, set, single, with_earlier, with_later, without};
 use super::{Barriers, Hazard, ImageBarrier, MemoryBarrier, Ownership, Reason, Work};
 use crate::graph::description::{Access, ResourceId};
 
@@ -55,14 +55,112 @@ fn tenants(images: &mut [ImageBarrier], memory: &mut Vec<MemoryBarrier>) {
     memory.retain(|barrier| !(is_tenant(&barrier.reason) && barrier.from.mask.is_empty() && transitions(barrier)));
 }
 
-/// What is ordered on one queue: before any later work in stage `b` begins, `done[b][a] - 1` steps, from the queue's
-/// first on, have all their work in stage `a` done, and where it is not 0, so has what came before the frame.
+/// Whether barriers for all memory of one call do what the barrier of a resource does. What of its accesses they make
+/// visible is left out.
+fn is_covered(from: &Access, to: &mut Access, ownership: Option<Ownership>, memory: &[MemoryBarrier]) -> bool {
+    if from.layout != to.layout || ownership.is_some() {
+        return false;
+    }
+    let asked = to.mask;
+    for other in memory.iter().filter(|other| holds(&other.from, from)) {
+        if holds(&other.to, to) {
+            return true;
+        }
+        if set(to.stages) & !set(other.to.stages) == 0 {
+            to.mask &= !other.to.mask;
+        }
+    }
+    to.mask.is_empty() && !asked.is_empty()
+}
+
+/// What is ordered on one queue.
 pub(super) struct Ordered<'a> {
     /// Images with barriers whose first stages are chained to semaphores, ascending.
     chained: &'a [ResourceId],
-    done: [[u32; COUNT]; COUNT],
+    done: Done,
     /// The last barriers for all memory.
     for_all: VecDeque<ForAll>,
+}
+
+/// By two stages `b` and `a`, `d`: before any later work in `b` begins, `d - 1` steps, from the queue's first on, have all
+/// their work in `a` done, and where `d` is not 0, so has what came before the frame.
+#[derive(Default)]
+struct Done {
+    now: Table,
+    /// Rows as they were before the call of barriers looked at, of those that it changed.
+    before: Table,
+    changed: Set,
+    /// Stages `a` that any barrier waited for yet.
+    waited_for: Set,
+}
+
+type Table = [[u32; COUNT]; COUNT];
+
+impl Done {
+    /// Begins with another call of barriers.
+    fn begin(&mut self) {
+        self.changed = 0;
+    }
+
+    /// The row of a stage before this call.
+    fn before(&self, b: usize) -> &[u32; COUNT] {
+        if self.changed >> b & 1 == 0 { &self.now[b] } else { &self.before[b] }
+    }
+
+    /// A barrier between these stages, each with those that its scopes have too, behind so many steps.
+    fn barrier(&mut self, from: Set, to: Set, step: u32) {
+        self.waited_for |= from;
+        let mut chained = [0; COUNT];
+        for via in members(from) {
+            let known = self.before(via);
+            members(self.waited_for).for_each(|a| chained[a] = known[a].max(chained[a]));
+        }
+        members(from).for_each(|a| chained[a] = step + 1);
+        for b in members(to) {
+            if self.changed >> b & 1 == 0 {
+                self.changed |= 1 << b;
+                self.before[b] = self.now[b];
+            }
+            let row = &mut self.now[b];
+            members(self.waited_for).for_each(|a| row[a] = row[a].max(chained[a]));
+        }
+    }
+
+    /// So many steps are done before these stages begin.
+    fn steps(&mut self, to: Set, steps: u32) {
+        self.waited_for = (1 << COUNT) - 1;
+        for b in members(to) {
+            self.now[b].iter_mut().for_each(|done| *done = (*done).max(steps + 1));
+        }
+    }
+
+    /// The first stages that some second stage does not wait for yet, up to the place `last`.
+    fn missing(&self, from: Stages, to: Stages, last: u32) -> Stages {
+        let to = set(to);
+        let ordered = |a: &usize| members(to).all(|b| self.now[b][*a] > last);
+        without(from, members(set(from)).filter(|&a| a < COUNT - 1).filter(ordered).fold(0, |done, a| done | 1 << a))
+    }
+
+    /// First stages without those that come before another one of them, which stays, up to the place `last`.
+    fn unchained(&self, from: Stages, last: u32) -> Stages {
+        let (mut left, mut stays) = (from, Stages::NONE);
+        if from.as_raw().is_power_of_two() {
+            return from;
+        }
+        for stage in bits(from.as_raw()).map(Stages::from_raw) {
+            let ordered = |other: &Stages| {
+                let behind = with_earlier(set(*other));
+                let chained = |a: usize| a < COUNT - 1 && members(behind).any(|b| self.before(b)[a] > last);
+                members(set(stage)).all(chained)
+            };
+            let mut others = bits((left & !stage).as_raw()).map(Stages::from_raw);
+            if let Some(other) = others.find(ordered).filter(|_| !stays.contains(stage)) {
+                left &= !stage;
+                stays |= other;
+            }
+        }
+        left
+    }
 }
 
 /// How many barriers for all memory are remembered: bounds the cost of frames with many.
@@ -81,7 +179,7 @@ struct ForAll {
 
 impl<'a> Ordered<'a> {
     pub(super) fn new(chained: &'a [ResourceId]) -> Self {
-        Self { chained, done: [[0; COUNT]; COUNT], for_all: VecDeque::new() }
+        Self { chained, done: Done::default(), for_all: VecDeque::new() }
     }
 
     /// Takes out what follows from other barriers, and remembers what the rest orders. `step`: how many steps of the
@@ -89,63 +187,141 @@ impl<'a> Ordered<'a> {
     /// before the frame.
     pub(super) fn filter(&mut self, barriers: &mut Barriers, step: u32, last: impl Fn(Option<Work>) -> Option<u32>) {
         let Barriers { images, buffers, memory } = barriers;
-        let done = self.done;
-        let chained = |from: &mut Access, before: Option<Work>| {
-            if let Some(before) = last(before).filter(|_| from.mask.is_empty()) {
-                from.stages = unchained(&done, from.stages, before);
+        self.done.begin();
+
+        // 1. First stages that come before others of the same barrier anyway.
+        let unchain = |done: &Done, from: &mut Access, before: Option<Work>| {
+            if from.mask.is_empty()
+                && let Some(before) = last(before)
+            {
+                from.stages = done.unchained(from.stages, before);
             }
         };
-        let free = images.iter_mut().filter(|barrier| self.chained.binary_search(&barrier.resource).is_err());
-        free.for_each(|barrier| chained(&mut barrier.from, barrier.reason.before));
-        buffers.iter_mut().for_each(|barrier| chained(&mut barrier.from, barrier.reason.before));
-        let known = |from: &mut Access, to: &Access, before: Option<Work>| {
-            !from.mask.is_empty() && last(before).is_some_and(|before| self.made_available(from, to, before))
-        };
-        memory.retain_mut(|barrier| !known(&mut barrier.from, &barrier.to, barrier.reason.before));
-        images.retain_mut(|barrier| {
-            if barrier.from.layout != barrier.to.layout {
-                barrier.follows = barrier.from;
-            }
-            !known(&mut barrier.from, &barrier.to, barrier.reason.before) || barrier.ownership.is_some()
+        for barrier in images.iter_mut().filter(|barrier| self.chained.binary_search(&barrier.resource).is_err()) {
+            unchain(&self.done, &mut barrier.from, barrier.reason.before);
+        }
+        buffers.iter_mut().for_each(|barrier| unchain(&self.done, &mut barrier.from, barrier.reason.before));
+
+        // 2. What earlier barriers for all memory made available and visible.
+        images.iter_mut().filter(|barrier| barrier.from.layout != barrier.to.layout).for_each(|barrier| {
+            barrier.follows = barrier.from;
         });
-        buffers.retain_mut(|barrier| {
-            !known(&mut barrier.from, &barrier.to, barrier.reason.before) || barrier.ownership.is_some()
-        });
-        tenants(images, memory);
-        subsumed(memory);
-        let covered = |from: &Access, to: &Access, ownership: &Option<Ownership>| {
-            let same = from.layout == to.layout && ownership.is_none();
-            same && memory.iter().any(|barrier| holds(&barrier.from, from) && holds(&barrier.to, to))
-        };
-        images.retain(|barrier| !covered(&barrier.from, &barrier.to, &barrier.ownership));
-        buffers.retain(|barrier| !covered(&barrier.from, &barrier.to, &barrier.ownership));
+        if !self.for_all.is_empty() {
+            let known = |from: &mut Access, to: &Access, before: Option<Work>| {
+                !from.mask.is_empty() && last(before).is_some_and(|before| self.made_available(from, to, before))
+            };
+            memory.retain_mut(|barrier| !known(&mut barrier.from, &barrier.to, barrier.reason.before));
+            images.retain_mut(|barrier| {
+                !known(&mut barrier.from, &barrier.to, barrier.reason.before) || barrier.ownership.is_some()
+            });
+            buffers.retain_mut(|barrier| {
+                !known(&mut barrier.from, &barrier.to, barrier.reason.before) || barrier.ownership.is_some()
+            });
+        }
+
+        // 3. What barriers for all memory of this call do as well.
+        if !memory.is_empty() {
+            tenants(images, memory);
+            subsumed(memory);
+            self.drop_seen(barriers, &last);
+        }
+        let Barriers { images, buffers, memory } = barriers;
+        images.retain(|barrier| !is_covered(&barrier.from, &mut barrier.to, barrier.ownership, memory));
+        buffers.retain_mut(|barrier| !is_covered(&barrier.from, &mut barrier.to, barrier.ownership, memory));
+
+        // 4. What the rest orders. Most barriers of a call order alike, and nothing comes of the second.
         let mut applied = Default::default();
         let mut apply = |from: &Access, to: &Access| {
             let stages = (from.stages, to.stages);
-            // Most barriers of a call order alike, and nothing comes of the second.
             if std::mem::replace(&mut applied, stages) != stages {
-                self.apply(&done, from.stages, to.stages, step);
+                self.apply(from.stages, to.stages, step);
             }
         };
-        images.iter().for_each(|barrier| apply(&barrier.from, &barrier.to));
-        buffers.iter().for_each(|barrier| apply(&barrier.from, &barrier.to));
+        let waits_alone = |image: &ImageBarrier| image.from.mask.is_empty() && image.from.layout == image.to.layout;
+        images.iter().filter(|barrier| !waits_alone(barrier)).for_each(|barrier| apply(&barrier.from, &barrier.to));
+        buffers.iter().filter(|barrier| !barrier.from.mask.is_empty()).for_each(|b| apply(&b.from, &b.to));
         memory.iter().filter(|barrier| is_strong(barrier)).for_each(|barrier| apply(&barrier.from, &barrier.to));
+        for barrier in images.iter_mut().filter(|barrier| waits_alone(barrier)) {
+            if barrier.ownership.is_none() && self.chained.binary_search(&barrier.resource).is_err() {
+                self.leave_missing(&mut barrier.from, &barrier.to, last(barrier.reason.before));
+            }
+            self.apply(barrier.from.stages, barrier.to.stages, step);
+        }
+        for barrier in buffers.iter_mut().filter(|barrier| barrier.from.mask.is_empty()) {
+            if barrier.ownership.is_none() && self.chained.binary_search(&barrier.resource).is_err() {
+                self.leave_missing(&mut barrier.from, &barrier.to, last(barrier.reason.before));
+            }
+            self.apply(barrier.from.stages, barrier.to.stages, step);
+        }
+
+        // 5. What only orders, one by one.
         memory.retain_mut(|barrier| {
             if is_strong(barrier) {
                 self.remember(step, barrier.from, barrier.to);
                 return true;
             }
             if let Some(before) = last(barrier.reason.before) {
-                let missing = self.missing(barrier.from.stages, barrier.to.stages, before);
-                barrier.from.stages = unchained(&done, missing, before);
+                let missing = self.done.missing(barrier.from.stages, barrier.to.stages, before);
+                barrier.from.stages = self.done.unchained(missing, before);
             }
             let keep = !barrier.from.stages.is_empty();
             if keep {
-                self.apply(&done, barrier.from.stages, barrier.to.stages, step);
+                self.apply(barrier.from.stages, barrier.to.stages, step);
             }
             keep
         });
         self.for_all.iter_mut().for_each(|other| other.behind |= std::mem::take(&mut other.more));
+    }
+
+    /// Takes out barriers of writes that an earlier barrier for all memory made available, and that another one of this
+    /// call makes visible.
+    fn drop_seen(&self, barriers: &mut Barriers, last: &impl Fn(Option<Work>) -> Option<u32>) {
+        let Barriers { images, buffers, memory } = barriers;
+        if self.for_all.is_empty() {
+            return;
+        }
+        let mut index = 0;
+        while index < memory.len() {
+            let MemoryBarrier { from, to, reason } = memory[index];
+            let mut others = memory[..index].iter().chain(&memory[index + 1..]);
+            if last(reason.before).is_some_and(|before| self.is_seen(&from, &to, before, &mut others)) {
+                memory.remove(index);
+            } else {
+                index += 1;
+            }
+        }
+        let seen = |from: &Access, to: &Access, ownership: &Option<Ownership>, before: Option<Work>| {
+            let stays = from.layout == to.layout && ownership.is_none();
+            stays && last(before).is_some_and(|before| self.is_seen(from, to, before, &mut memory.iter()))
+        };
+        images.retain(|barrier| !seen(&barrier.from, &barrier.to, &barrier.ownership, barrier.reason.before));
+        buffers.retain(|barrier| !seen(&barrier.from, &barrier.to, &barrier.ownership, barrier.reason.before));
+    }
+
+    /// Whether one of `others`, of the call looked at, makes visible what was available before, and was over at `before`.
+    fn is_seen<'b>(
+        &self,
+        from: &Access,
+        to: &Access,
+        before: u32,
+        others: &mut (impl Iterator<Item = &'b MemoryBarrier> + Clone),
+    ) -> bool {
+        if from.mask.is_empty() || to.mask.is_empty() {
+            return false;
+        }
+        let available = self.for_all.iter().rev().take_while(|earlier| earlier.step >= before);
+        available.filter(|earlier| holds(&earlier.from, from)).any(|earlier| {
+            let chained = |other: &MemoryBarrier| with_earlier(set(other.from.stages)) & earlier.behind != 0;
+            others.clone().any(|other| holds(&other.to, to) && chained(other))
+        })
+    }
+
+    /// Leaves of first scopes without memory what nothing else orders, and one stage at least: what it is chained to.
+    fn leave_missing(&self, from: &mut Access, to: &Access, before: Option<u32>) {
+        if let Some(before) = before.filter(|_| !from.stages.as_raw().is_power_of_two()) {
+            let missing = self.done.missing(from.stages, to.stages, before);
+            from.stages = if missing.is_empty() { any(from.stages) } else { missing };
+        }
     }
 
     /// Whether a barrier for all memory made writes available and visible that were over at the place `before`. Where
@@ -179,50 +355,19 @@ impl<'a> Ordered<'a> {
     pub(super) fn wait(&mut self, stages: Stages, steps: u32) {
         let all = Access { stages: Stages::ALL_COMMANDS, mask: Mask::from_raw(!0), ..Access::NONE };
         self.remember(steps, all, Access { stages, ..all });
-        for b in members(with_later(set(stages))) {
-            self.done[b].iter_mut().for_each(|done| *done = (*done).max(steps + 1));
-        }
+        self.done.steps(with_later(set(stages)), steps);
     }
 
-    fn apply(&mut self, known: &[[u32; COUNT]; COUNT], from: Stages, to: Stages, step: u32) {
+    fn apply(&mut self, from: Stages, to: Stages, step: u32) {
+        if from.is_empty() {
+            return;
+        }
         let (from, to) = (with_earlier(set(from)), with_later(set(to)));
         for other in self.for_all.iter_mut().filter(|other| other.step < step && other.behind & from != 0) {
             other.more |= to;
         }
-        let mut chained = [0; COUNT];
-        for via in members(from) {
-            chained.iter_mut().zip(&known[via]).for_each(|(done, known)| *done = (*done).max(*known));
-        }
-        members(from).for_each(|a| chained[a] = step + 1);
-        for b in members(to) {
-            self.done[b].iter_mut().zip(&chained).for_each(|(done, chained)| *done = (*done).max(*chained));
-        }
+        self.done.barrier(from, to, step);
     }
-
-    /// The first stages that some second stage does not wait for yet, up to the place `before`.
-    fn missing(&self, from: Stages, to: Stages, before: u32) -> Stages {
-        let to = set(to);
-        let ordered = |a: &usize| members(to).all(|b| self.done[b][*a] > before);
-        without(from, members(set(from)).filter(|&a| a < COUNT - 1).filter(ordered).fold(0, |done, a| done | 1 << a))
-    }
-}
-
-/// First stages without those that come before another one of them, which stays, up to the place `before`.
-fn unchained(known: &[[u32; COUNT]; COUNT], from: Stages, before: u32) -> Stages {
-    let (mut left, mut stays) = (from, Stages::NONE);
-    for stage in bits(from.as_raw()).map(Stages::from_raw) {
-        let ordered = |other: &Stages| {
-            let behind = with_earlier(set(*other));
-            let chained = |a: usize| a < COUNT - 1 && members(behind).any(|b| known[b][a] > before);
-            members(set(stage)).all(chained)
-        };
-        let mut others = bits((left & !stage).as_raw()).map(Stages::from_raw);
-        if let Some(other) = others.find(ordered).filter(|_| !stays.contains(stage)) {
-            left &= !stage;
-            stays |= other;
-        }
-    }
-    left
 }
 
 #[cfg(test)]
@@ -234,11 +379,11 @@ mod tests {
     fn a_stage_that_others_come_before_stays() {
         let place = |stage| members(set(stage)).next().unwrap_or(COUNT);
         let (vertex, compute, copy) = (Stages::VERTEX_SHADER, Stages::COMPUTE_SHADER, Stages::COPY);
-        let mut known = [[0; COUNT]; COUNT];
-        known[place(copy)][place(vertex)] = 5;
-        known[place(compute)][place(copy)] = 5;
-        assert_eq!(unchained(&known, vertex | copy | compute, 1), copy | compute);
-        assert_eq!(unchained(&known, copy | compute, 1), compute);
-        assert_eq!(unchained(&known, copy | compute, 5), copy | compute);
+        let mut done = Done::default();
+        done.now[place(copy)][place(vertex)] = 5;
+        done.now[place(compute)][place(copy)] = 5;
+        assert_eq!(done.unchained(vertex | copy | compute, 1), copy | compute);
+        assert_eq!(done.unchained(copy | compute, 1), compute);
+        assert_eq!(done.unchained(copy | compute, 5), copy | compute);
     }
 }

@@ -5,7 +5,7 @@
 
 use std::ops::Range as Span;
 
-use super::dependencies::{Dependencies, Node, events};
+use super::dependencies::{Dependencies, Events, Node};
 use super::versions::Versions;
 use super::{Chosen, DeviceModel, End, Plan, Work, choose, plan_chosen, usage};
 use crate::graph::description::{
@@ -45,9 +45,13 @@ pub fn segment(
     // 2. Its plan. Passes were chosen for the whole frame.
     let culled = chosen.culled.iter().filter(|(pass, _)| passes.contains(&(pass.0 as usize)));
     let culled = culled.map(|(pass, why)| (PassId(pass.0 - passes.start as u32), why.clone())).collect();
-    let versions = Versions::new(&description, vec![false; description.versions.len()]);
+    let versions = Versions::of_right(&description);
     let live = chosen.live[passes.clone()].to_vec();
-    let mut plan = plan_chosen(&description, Chosen { versions, live, culled, dependencies: None }, device)?;
+    let mut events = Events::new(&description, &versions);
+    events.retain(|node| live.get(node as usize).is_none_or(|live| *live));
+    let dependencies = Dependencies::new(&events, description.passes.len() + description.roots.len());
+    let chosen_here = Chosen { versions, live, culled, events, dependencies };
+    let mut plan = plan_chosen(&description, chosen_here, device)?;
 
     // 3. What is alive over a checkpoint is made once, for the uses of all segments.
     let usages = usage::usages(whole, &chosen.live);
@@ -59,7 +63,7 @@ pub fn segment(
     Ok(Segment { description, plan, passes, roots })
 }
 
-/// The first segment of a frame, which was planned before.
+/// The first segment of a frame, which was planned before; by pass of the whole frame, whether it runs.
 ///
 /// # Errors
 /// As [`segment`].
@@ -67,9 +71,9 @@ pub(in crate::graph) fn first_segment(
     whole: &Description,
     plan: Plan,
     device: &dyn DeviceModel,
-) -> Result<Segment, GraphErrors> {
-    let Part { description, passes, roots, .. } = part(whole, 0, &[], device)?;
-    Ok(Segment { description, plan, passes, roots })
+) -> Result<(Segment, Vec<bool>), GraphErrors> {
+    let Part { description, passes, roots, chosen } = part(whole, 0, &[], device)?;
+    Ok((Segment { description, plan, passes, roots }, chosen.live))
 }
 
 /// A segment before it is planned.
@@ -142,9 +146,8 @@ impl<'a> Cuts<'a> {
             error(format!("there is no segment {index}"), &format!("the last one is {}", self.last()));
         }
         let nodes = whole.passes.len() + whole.roots.len();
-        let dependencies = Dependencies::new(&events(whole, &chosen.versions, &chosen.live), nodes);
         for node in 0..nodes as Node {
-            for &(after, cell) in dependencies.after(node) {
+            for &(after, cell) in chosen.dependencies.after(node) {
                 let (from, to) = (self.of(node), self.of(after));
                 if from > to {
                     let name = |node: Node| self.work(node).describe(whole);

@@ -48,11 +48,21 @@ pub(super) fn set(stages: Stages) -> Set {
     }
     let mut set = if stages.contains(Stages::ALL_TRANSFER) { TRANSFER } else { 0 };
     for bit in bits((stages & !Stages::ALL_TRANSFER).as_raw()) {
-        let place = STAGES.iter().position(|stage| stage.as_raw() == bit);
-        set |= 1 << place.unwrap_or(COUNT - 1);
+        set |= 1 << PLACES[bit.trailing_zeros() as usize];
     }
     set
 }
+
+/// By number of a stage's bit: its place above.
+const PLACES: [u8; 64] = {
+    let mut places = [COUNT as u8 - 1; 64];
+    let mut place = 0;
+    while place < COUNT - 1 {
+        places[STAGES[place].as_raw().trailing_zeros() as usize] = place as u8;
+        place += 1;
+    }
+    places
+};
 
 /// Whether scopes hold all of other scopes.
 pub(super) fn holds(a: &Access, b: &Access) -> bool {

@@ -179,15 +179,31 @@ pub(super) const TRANSFER_STAGES: Stages =
 /// Each stage of an access with each of its masks that reads in that stage.
 pub(super) fn reads(access: &Access) -> impl Iterator<Item = (Stages, Mask)> {
     let (stages, mask) = (access.stages, access.reads());
-    KINDS.iter().filter(move |kind| mask.contains(kind.mask)).flat_map(move |kind| {
+    kinds(mask).flat_map(move |kind| {
         let able = bits((stages & kind.stages).as_raw()).map(Stages::from_raw);
         able.map(|stage| (stage, kind.mask))
     })
 }
 
+/// The kinds of access that a mask asks for.
+fn kinds(mask: Mask) -> impl Iterator<Item = &'static Kind> {
+    bits(mask.as_raw()).filter_map(|bit| KINDS.get(usize::from(PLACES[bit.trailing_zeros() as usize])))
+}
+
+/// By number of an access's bit: its place among the kinds.
+const PLACES: [u8; 64] = {
+    let mut places = [u8::MAX; 64];
+    let mut place = 0;
+    while place < KINDS.len() {
+        places[KINDS[place].mask.as_raw().trailing_zeros() as usize] = place as u8;
+        place += 1;
+    }
+    places
+};
+
 /// Usage flags that one access of a resource asks for.
 pub(super) fn usage_of(shape: &Shape, access: &Access) -> Usage {
-    let kinds = KINDS.iter().filter(|kind| access.mask.contains(kind.mask));
+    let kinds = kinds(access.mask);
     match shape {
         Shape::Image(_) => Usage::Image(kinds.fold(ImageUsage::empty(), |all, kind| all | kind.image)),
         Shape::Buffer { .. } => Usage::Buffer(kinds.fold(BufferUsage::empty(), |all, kind| all | kind.buffer)),

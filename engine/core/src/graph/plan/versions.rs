@@ -3,20 +3,21 @@
 //! Each write of a cell begins an epoch of it: epoch 0 is what the frame began with. Splits, forks and joins begin
 //! none. Unordered writers share one.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 use super::cells::Cells;
-use crate::graph::description::{Description, Origin, ResourceId, Source, State, VersionId};
+use crate::graph::description::{Description, Origin, Range, ResourceId, Source, State, VersionId};
 
 /// States that cells of kept resources arrive in.
-fn arrival(description: &Description, cells: &Cells) -> HashMap<u32, State> {
-    let mut arrival = HashMap::new();
+fn arrival(description: &Description, cells: &Cells) -> FxHashMap<u32, State> {
+    let mut arrival = FxHashMap::default();
     let mut covered = Vec::new();
     for (index, resource) in description.resources.iter().enumerate() {
         let Origin::Kept { before, .. } = &resource.origin else { continue };
-        for state in before.iter().filter(|state| state.range.lies_in(&resource.shape.whole())) {
+        let id = ResourceId(index as u32);
+        for state in before.iter().filter(|state| state.range.lies_in(&cells.whole(id))) {
             covered.clear();
-            cells.cover(ResourceId(index as u32), state.range, &mut covered);
+            cells.cover(id, state.range, &mut covered);
             arrival.extend(covered.iter().map(|&cell| (cell, *state)));
         }
     }
@@ -26,7 +27,7 @@ fn arrival(description: &Description, cells: &Cells) -> HashMap<u32, State> {
 /// How much of a resource that is needed after the frame holds something then: as [`super::Plan::ends`] tells it, over
 /// all segments of a frame that is right.
 pub(in crate::graph) fn held_at_the_end(description: &Description, resource: ResourceId) -> u64 {
-    let versions = Versions::new(description, vec![false; description.versions.len()]);
+    let versions = Versions::of_right(description);
     let last = last_of_needed(description).into_iter().map(|version| version.0 as usize);
     let mine = last.filter(|&version| description.versions[version].resource == resource);
     let held = mine.flat_map(|version| versions.cells.slots(version)).filter(|&slot| versions.defined[slot]);
@@ -53,6 +54,11 @@ pub(super) fn last_of_needed(description: &Description) -> Vec<VersionId> {
     ids.zip(last).filter(|(_, last)| *last).map(|(id, _)| id).collect()
 }
 
+/// By resource: all of it.
+pub(super) fn wholes(description: &Description) -> Vec<Range> {
+    description.resources.iter().map(|resource| resource.shape.whole()).collect()
+}
+
 /// Facts of versions.
 pub(super) struct Versions {
     /// Cells of resources, and slots of versions.
@@ -66,13 +72,19 @@ pub(super) struct Versions {
     /// Versions that cannot be reasoned about.
     pub(super) broken: Vec<bool>,
     /// By cell of a kept resource: the state it arrives in.
-    pub(super) arrival: HashMap<u32, State>,
+    pub(super) arrival: FxHashMap<u32, State>,
 }
 
 impl Versions {
-    /// Goes through versions in order; sources of a version that is not broken come before it.
-    pub(super) fn new(description: &Description, broken: Vec<bool>) -> Self {
-        let cells = Cells::new(description, &broken);
+    /// Of a description that is right.
+    pub(super) fn of_right(description: &Description) -> Self {
+        Self::new(description, wholes(description), vec![false; description.versions.len()])
+    }
+
+    /// Goes through versions in order; sources of a version that is not broken come before it. `wholes`: by resource, all
+    /// of it.
+    pub(super) fn new(description: &Description, wholes: Vec<Range>, broken: Vec<bool>) -> Self {
+        let cells = Cells::new(description, wholes, &broken);
         let mut facts = Self {
             arrival: arrival(description, &cells),
             epoch: vec![0; cells.slot_count()],

@@ -1,34 +1,31 @@
 //! Names, shapes, ids and ranges.
 
 use std::collections::BTreeMap;
-use std::hash::Hash;
-use std::ops::Deref;
 
 use ash::vk;
-use rustc_hash::FxHashSet;
 
 use super::{Errors, Place};
-use crate::graph::description::{Origin, Range, Resource, ResourceId, Shape, Source, Version, VersionId};
+use crate::graph::description::{
+    Description, Origin, PassId, Range, Resource, ResourceId, Shape, Source, Version, VersionId,
+};
 use crate::graph::errors::ErrorKind;
+use crate::graph::name::are_distinct;
 
 /// Names are unique among passes, among resources and among read-backs.
 pub(super) fn names(errors: &mut Errors) {
     let description = errors.description;
-    unique(errors, "passes", description.passes.iter().map(|pass| &pass.name));
-    unique(errors, "resources", description.resources.iter().map(|resource| &resource.name));
-    unique(errors, "captures", description.roots.iter().filter(|root| root.read_back).map(|root| &root.name));
+    let (passes, resources) = (description.passes.iter(), description.resources.iter());
+    if !are_distinct(passes.clone().map(|pass| &pass.name)) {
+        doubled(errors, "passes", passes.map(|pass| pass.name.as_str()));
+    }
+    if !are_distinct(resources.clone().map(|resource| &resource.name)) {
+        doubled(errors, "resources", resources.map(|resource| resource.name.as_str()));
+    }
+    doubled(errors, "captures", description.roots.iter().filter(|root| root.read_back).map(|root| root.name.as_str()));
 }
 
-fn unique<'a, N: Hash + Eq + Deref<Target = str> + 'a>(
-    errors: &mut Errors,
-    what: &str,
-    names: impl Iterator<Item = &'a N> + Clone,
-) {
-    let mut known = FxHashSet::default();
-    known.reserve(names.size_hint().1.unwrap_or(0));
-    if names.clone().all(|name| known.insert(name)) {
-        return;
-    }
+/// Tells each name that several have.
+fn doubled<'a>(errors: &mut Errors, what: &str, names: impl Iterator<Item = &'a str>) {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     names.for_each(|name| *counts.entry(name).or_default() += 1);
     for (name, count) in counts.into_iter().filter(|(_, count)| *count > 1) {
@@ -104,20 +101,28 @@ fn states(errors: &mut Errors, place: Place, resource: &Resource) {
     }
 }
 
-/// Ids, order and ranges of versions. Gives those that fail, or that are made from one that fails.
-pub(super) fn versions(errors: &mut Errors) -> Vec<bool> {
+/// Ids, order and ranges of versions. Gives those that fail, or that are made from one that fails. `wholes`: by resource,
+/// all of it.
+pub(super) fn versions(errors: &mut Errors, wholes: &[Range]) -> Vec<bool> {
     let description = errors.description;
     let mut broken = vec![false; description.versions.len()];
     let mut initial = vec![0; description.resources.len()];
+    let makers = makers(description);
+    // A shape that holds nothing was told before.
+    let shapes_are_right = errors.list.is_empty();
     for (index, version) in description.versions.iter().enumerate() {
         let count = errors.list.len();
-        if let Some(resource) = description.resources.get(version.resource.0 as usize) {
-            range(errors, version, &resource.shape.whole());
+        let resource = version.resource.0 as usize;
+        if let Some(whole) = wholes.get(resource) {
+            let is_whole = version.range == *whole;
+            if !(is_whole && shapes_are_right) {
+                range(errors, version, whole);
+            }
             if version.source == Source::Initial {
-                initial[version.resource.0 as usize] += 1;
-                if version.range != resource.shape.whole() && errors.list.len() == count {
+                initial[resource] += 1;
+                if !is_whole && errors.list.len() == count {
                     let wrong = format!("its first version covers {}", describe(&version.range));
-                    let allowed = format!("it covers all: {}", describe(&resource.shape.whole()));
+                    let allowed = format!("it covers all: {}", describe(whole));
                     errors.add(ErrorKind::BadInitial, Place::resource(version.resource), wrong, allowed);
                 }
             }
@@ -128,8 +133,10 @@ pub(super) fn versions(errors: &mut Errors) -> Vec<bool> {
         }
         let sources = version.source.versions();
         sources.iter().for_each(|&source| made_from(errors, index, version, source));
-        if let Source::Pass { pass, .. } = version.source {
-            made_by(errors, index, version, pass.0);
+        if let Source::Pass { pass, from } = version.source
+            && makers[index] != 1
+        {
+            made_by(errors, index, version, (pass, from), makers[index]);
         }
         broken[index] = errors.list.len() > count || sources.iter().any(|source| broken[source.0 as usize]);
     }
@@ -138,6 +145,21 @@ pub(super) fn versions(errors: &mut Errors) -> Vec<bool> {
         errors.add(ErrorKind::BadInitial, place, format!("has {count} first versions"), "it has exactly one");
     }
     broken
+}
+
+/// By version: how many uses of the pass that it says makes it do so, from the version that it says.
+fn makers(description: &Description) -> Vec<u32> {
+    let mut makers = vec![0; description.versions.len()];
+    for (index, pass) in description.passes.iter().enumerate() {
+        for (used, made) in pass.uses.iter().filter_map(|used| Some((used, used.makes?.0 as usize))) {
+            if let Some(Version { source: Source::Pass { pass, from }, .. }) = description.versions.get(made)
+                && (pass.0 as usize, *from) == (index, used.version)
+            {
+                makers[made] += 1;
+            }
+        }
+    }
+    makers
 }
 
 /// A range lies in its resource and holds something.
@@ -166,8 +188,11 @@ fn made_from(errors: &mut Errors, index: usize, version: &Version, source: Versi
         let wrong = format!("version {index} is made from version {} of `{other}`", source.0);
         return errors.add(ErrorKind::BadVersion, place, wrong, "a version is made from versions of its own resource");
     }
+    if version.range == from.range {
+        return;
+    }
     let (wrong, allowed) = match version.source {
-        Source::Pass { .. } | Source::Fork { .. } if version.range != from.range => {
+        Source::Pass { .. } | Source::Fork { .. } => {
             ("does not cover", "a written or forked version covers what it is made from")
         }
         Source::Split { .. } if !holds(&from.range, &version.range) => ("is split from", "a part lies in its whole"),
@@ -180,22 +205,17 @@ fn made_from(errors: &mut Errors, index: usize, version: &Version, source: Versi
     errors.add(ErrorKind::BadVersion, place, wrong, allowed);
 }
 
-/// A version is made by the use that says so.
-fn made_by(errors: &mut Errors, index: usize, version: &Version, pass: u32) {
+/// A version is made by the use that says so: not by `count` of them.
+fn made_by(errors: &mut Errors, index: usize, version: &Version, (pass, from): (PassId, VersionId), count: u32) {
     let place = Place::resource(version.resource);
-    let Some(pass) = errors.description.passes.get(pass as usize) else {
-        let wrong = format!("version {index} is made by pass {pass}, which there is not");
+    let Some(pass) = errors.description.passes.get(pass.0 as usize) else {
+        let wrong = format!("version {index} is made by pass {}, which there is not", pass.0);
         let allowed = format!("the description has {} passes", errors.description.passes.len());
         return errors.add(ErrorKind::UnknownId, place, wrong, allowed);
     };
-    let Source::Pass { from, .. } = version.source else { return };
-    let makers = pass.uses.iter().filter(|used| used.makes == Some(VersionId(index as u32)) && used.version == from);
-    let count = makers.count();
-    if count != 1 {
-        let wrong = format!("{count} of its uses make version {index} from version {}", from.0);
-        let place = Place { pass: Some(pass), ..place };
-        errors.add(ErrorKind::BadVersion, place, wrong, "exactly one use makes it");
-    }
+    let wrong = format!("{count} of its uses make version {index} from version {}", from.0);
+    let place = Place { pass: Some(pass), ..place };
+    errors.add(ErrorKind::BadVersion, place, wrong, "exactly one use makes it");
 }
 
 fn holds(whole: &Range, part: &Range) -> bool {

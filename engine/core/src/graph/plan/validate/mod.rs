@@ -7,20 +7,20 @@ mod uses;
 mod versions;
 
 use ash::vk::ImageUsageFlags;
-use rustc_hash::FxHashMap;
 
 use super::DeviceModel;
-use super::dependencies::Dependencies;
-use super::versions::Versions;
+use super::dependencies::{Dependencies, Events};
+use super::memo::Memo;
+use super::versions::{Versions, wholes};
 use crate::graph::description::{Description, Pass, ResourceId, Shape};
 use crate::graph::errors::{ErrorKind, GraphError, GraphErrors};
 
 /// Checks everything; what depends on a wrong thing is not checked further. Gives what follows from how versions are
-/// made, and who waits for whom if every pass runs.
+/// made, what happens to each cell if every pass runs, and who waits for whom then.
 pub(super) fn validate(
     description: &Description,
     device: &dyn DeviceModel,
-) -> Result<(Versions, Dependencies), GraphErrors> {
+) -> Result<(Versions, Events, Dependencies), GraphErrors> {
     let mut errors = Errors { description, list: Vec::new() };
 
     // 1. Names, shapes, states of imported resources.
@@ -28,8 +28,9 @@ pub(super) fn validate(
     ids::resources(&mut errors);
 
     // 2. Ids and ranges. A version that fails is left out of what follows.
-    let broken = ids::versions(&mut errors);
-    let versions = Versions::new(description, broken);
+    let wholes = wholes(description);
+    let broken = ids::versions(&mut errors, &wholes);
+    let versions = Versions::new(description, wholes, broken);
 
     // 3. How versions are made: splits, joins, forks.
     versions::joins(&mut errors, &versions);
@@ -37,7 +38,7 @@ pub(super) fn validate(
 
     // 4. Passes, use by use and two by two.
     let allowed = allowed(description, device);
-    let mut fine = uses::Fine::default();
+    let mut fine = uses::Fine::new();
     for pass in &description.passes {
         uses::pass(&mut errors, &versions, pass, &allowed, &mut fine);
         uses::pairs(&mut errors, &versions, pass);
@@ -49,17 +50,17 @@ pub(super) fn validate(
     checkpoints::check(&mut errors);
 
     // 6. Writers of one version, and circles.
-    let dependencies = order::check(&mut errors, &versions);
+    let (events, dependencies) = order::check(&mut errors, &versions);
 
-    errors.finish((versions, dependencies))
+    errors.finish((versions, events, dependencies))
 }
 
 /// By resource: what the device allows its format to be used for; each format is asked for once.
 fn allowed(description: &Description, device: &dyn DeviceModel) -> Vec<ImageUsageFlags> {
-    let mut known = FxHashMap::default();
+    let mut known = Memo::new();
     let resources = description.resources.iter();
     let usages = resources.map(|resource| match &resource.shape {
-        Shape::Image(shape) => *known.entry(shape.format).or_insert_with(|| device.image_usages(shape.format)),
+        Shape::Image(shape) => known.get(shape.format, || (device.image_usages(shape.format), true)),
         Shape::Buffer { .. } => ImageUsageFlags::empty(),
     });
     usages.collect()

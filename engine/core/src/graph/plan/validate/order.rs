@@ -5,23 +5,31 @@ use super::{Errors, Place};
 use crate::graph::description::{PassId, Source, VersionId};
 use crate::graph::errors::ErrorKind;
 use crate::graph::plan::Work;
-use crate::graph::plan::dependencies::{Dependencies, Event, Node, events};
+use crate::graph::plan::dependencies::{Dependencies, Event, Events, Node};
 use crate::graph::plan::versions::Versions;
 
 /// Each epoch has one writer, or unordered ones of one fork; nobody waits for itself.
-pub(super) fn check(errors: &mut Errors, versions: &Versions) -> Dependencies {
+pub(super) fn check(errors: &mut Errors, versions: &Versions) -> (Events, Dependencies) {
     let description = errors.description;
-    let live = vec![true; description.passes.len()];
-    let events = events(description, versions, &live);
+    let events = Events::new(description, versions);
+    let makes = |event: &Event| {
+        let pass = description.passes.get(event.node as usize)?;
+        pass.uses[event.used as usize].makes.filter(|&made| versions.is_known(made))
+    };
+    let fork = |made: VersionId| versions.fork[made.0 as usize];
     let before = errors.list.len();
     let mut seen: Vec<(VersionId, VersionId)> = Vec::new();
-    for set in events.chunk_by(|a, b| (a.cell, a.time) == (b.cell, b.time)).filter(|set| set.len() > 1) {
-        for (index, a) in set.iter().enumerate() {
-            let rivals = set[..index].iter().filter(|b| !unordered(versions, a, b));
-            for (a, b) in rivals.filter_map(|b| a.makes.zip(b.makes)) {
-                if !seen.contains(&(a, b)) {
-                    seen.push((a, b));
-                    rivals_error(errors, a, b);
+    for cell in 0..events.cells() {
+        // Writes have odd times.
+        let writes = events.of(cell).chunk_by(|a, b| a.time == b.time).filter(|set| set[0].time % 2 == 1);
+        for set in writes.filter(|set| set.len() > 1) {
+            for (index, a) in set.iter().enumerate() {
+                let rivals = set[..index].iter().filter_map(|b| makes(a).zip(makes(b)));
+                for (a, b) in rivals.filter(|&(a, b)| fork(a).is_none() || fork(a) != fork(b)) {
+                    if !seen.contains(&(a, b)) {
+                        seen.push((a, b));
+                        rivals_error(errors, a, b);
+                    }
                 }
             }
         }
@@ -31,12 +39,7 @@ pub(super) fn check(errors: &mut Errors, versions: &Versions) -> Dependencies {
     if errors.list.len() == before {
         circle(errors, versions, &dependencies);
     }
-    dependencies
-}
-
-fn unordered(versions: &Versions, a: &Event, b: &Event) -> bool {
-    let fork = |event: &Event| event.makes.and_then(|made| versions.fork[made.0 as usize]);
-    fork(a).is_some() && fork(a) == fork(b)
+    (events, dependencies)
 }
 
 fn rivals_error(errors: &mut Errors, a: VersionId, b: VersionId) {

@@ -1,19 +1,36 @@
 //! Uses of passes: each by itself, and two of one pass together.
 
-use ash::vk::{self, AccessFlags2 as Mask, PipelineStageFlags2 as Stages};
+use std::hash::{Hash, Hasher};
 
-use rustc_hash::FxHashSet;
+use ash::vk::{self, AccessFlags2 as Mask, PipelineStageFlags2 as Stages};
 
 use super::{Errors, Place};
 use crate::graph::description::{Access, ImageShape, Pass, Queue, Range, Shape, Use};
 use crate::graph::errors::ErrorKind;
 use crate::graph::plan::Usage;
-use crate::graph::plan::usage::{COMPUTE_STAGES, KINDS, Kind, ON_BUFFERS, ON_IMAGES, TRANSFER_STAGES, usage_of};
+use crate::graph::plan::memo::Memo;
+use crate::graph::plan::usage::{self, COMPUTE_STAGES, KINDS, ON_BUFFERS, ON_IMAGES, TRANSFER_STAGES, usage_of};
 use crate::graph::plan::versions::Versions;
 
-/// Accesses that were looked at and are fine, with all that this depends on: most passes do what others do. `None`: of a
-/// buffer.
-pub(super) type Fine = FxHashSet<(Access, bool, Queue, Option<(vk::ImageAspectFlags, vk::ImageUsageFlags)>)>;
+/// Accesses that were looked at and are fine: most passes do what others do.
+pub(super) type Fine = Memo<Kind, ()>;
+
+/// An access with all that it depends on whether it is fine.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) struct Kind {
+    access: Access,
+    writes: bool,
+    queue: Queue,
+    /// Aspects, and what the device allows; `None`: of a buffer.
+    image: Option<(vk::ImageAspectFlags, vk::ImageUsageFlags)>,
+}
+
+impl Hash for Kind {
+    /// Masks alone tell most accesses apart.
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        state.write_u64(self.access.mask.as_raw());
+    }
+}
 
 /// A pass does something, and each of its uses can be.
 pub(super) fn pass(
@@ -48,21 +65,19 @@ pub(super) fn pass(
             (Shape::Image(shape), Range::Image { aspects, .. }) => Some((shape, aspects)),
             _ => None,
         };
-        let key = (used.access, used.makes.is_some(), pass.queue, image_of.map(|(_, aspects)| (aspects, allowed)));
-        if fine.contains(&key) {
-            continue;
-        }
-        let before = errors.list.len();
-        writes(errors, place, used);
-        match image_of {
-            Some((shape, aspects)) => image(errors, place, shape, aspects, used, allowed),
-            None => buffer(errors, place, used),
-        }
-        stages(errors, place, used);
-        queue(errors, place, pass.queue, used);
-        if errors.list.len() == before {
-            fine.insert(key);
-        }
+        let (access, writes) = (used.access, used.makes.is_some());
+        let image = image_of.map(|(_, aspects)| (aspects, allowed));
+        fine.get(Kind { access, writes, queue: pass.queue, image }, || {
+            let before = errors.list.len();
+            makes(errors, place, used);
+            match image_of {
+                Some((shape, aspects)) => on_image(errors, place, shape, aspects, used, allowed),
+                None => buffer(errors, place, used),
+            }
+            stages(errors, place, used);
+            queue(errors, place, pass.queue, used);
+            ((), errors.list.len() == before)
+        });
     }
 }
 
@@ -92,7 +107,7 @@ fn ids(errors: &mut Errors, place: Place, used: &Use) -> bool {
 }
 
 /// Whoever writes makes a version, and the other way round.
-fn writes(errors: &mut Errors, place: Place, used: &Use) {
+fn makes(errors: &mut Errors, place: Place, used: &Use) {
     let writes = used.access.writes();
     if used.makes.is_none() && !writes.is_empty() {
         let wrong = format!("writes ({writes:?}) but makes no version");
@@ -104,7 +119,7 @@ fn writes(errors: &mut Errors, place: Place, used: &Use) {
     }
 }
 
-fn image(
+fn on_image(
     errors: &mut Errors,
     place: Place,
     shape: &ImageShape,
@@ -143,7 +158,7 @@ fn kinds(
     used: &Use,
     all: Mask,
     what: &str,
-) -> impl Iterator<Item = &'static Kind> + use<> {
+) -> impl Iterator<Item = &'static usage::Kind> + use<> {
     let mask = used.access.mask;
     let odd = mask & !all;
     if !odd.is_empty() || mask.is_empty() {
