@@ -35,7 +35,7 @@ pub fn lit(name: &str, voxels: &Voxels, color: impl Fn([u32; 3]) -> Color) -> Pi
 
 /// What surfaces are like: albedo, lit, and normals as colours.
 pub fn attributes(name: &str, found: &VoxelAttributes) -> Picture {
-    let albedo = |voxel| found.get(voxel).map_or([0.0; 3], |own| (own.albedo * 2.5).to_array());
+    let albedo = |voxel| found.get(voxel).map_or([0.0; 3], |own| (own.albedo * 1.8).to_array());
     let normal = |voxel| found.get(voxel).map_or([0.0; 3], |own| (0.4 * own.normal + 0.4).to_array());
     let depths = Depths::of(found.voxels());
     let flat = pixels(found.voxels(), |x, y, line| Some(normal([x, y, depths.at(x, y)?]).map(|c| line * c)));

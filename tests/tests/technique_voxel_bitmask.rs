@@ -175,6 +175,11 @@ fn frusta(scene: &Scene, size: [u32; 3]) -> [(&'static str, FrustumGrid); 3] {
     ]
 }
 
+/// Closed solids, all of them where sweeps run whole.
+fn some_closed() -> Vec<Scene> {
+    solids::closed().into_iter().step_by(if harness::is_whole() { 1 } else { 4 }).collect()
+}
+
 fn in_sight(gpu: &Gpu, scene: &Scene, frustum: &FrustumGrid, technique: Bitmask) -> Voxels {
     solids::voxelize(gpu, scene, &frustum.grid(), |graph, scene| {
         let FrustumBits { bits, frustum } = technique.record_frustum(graph, scene, frustum)?;
@@ -214,7 +219,7 @@ fn a_frustum_agrees_with_its_reference() {
     let sizes: &[[u32; 3]] = if harness::is_whole() { &[[61, 47, 40], [150, 120, 100]] } else { &[[61, 47, 40]] };
     let mut counts: [[[usize; 4]; 2]; 3] = Default::default();
     let mut names = [""; 3];
-    for scene in solids::closed() {
+    for scene in some_closed() {
         for &size in sizes {
             for (which, (name, frustum)) in frusta(&scene, size).into_iter().enumerate() {
                 let of = |fill: Fill| {
@@ -238,7 +243,7 @@ fn a_frustum_agrees_with_its_reference() {
     let mut figures = Vec::new();
     for (name, counts) in names.into_iter().zip(counts) {
         for (what, [agree, near, _, set]) in ["solids", "surfaces"].into_iter().zip(counts) {
-            assert!(set > 5000, "{what} {name}: {set} set");
+            assert!(set > 1000, "{what} {name}: {set} set");
             figures.push(Figure {
                 what: format!("in the frustum of a camera {name}: {what} of all scenes above"),
                 value: format!("0 of {} differ, {near} left out; {set} set", agree + near),
@@ -285,7 +290,7 @@ fn a_frustum_with_a_seeded_mistake_is_caught() {
 #[test]
 fn surfaces_along_an_axis_are_those_of_parallel_lines_of_sight() {
     let gpu = shared();
-    for scene in solids::closed().into_iter().filter(|scene| scene.name != "cube") {
+    for scene in some_closed().into_iter().filter(|scene| scene.name != "cube") {
         // The same columns seen by a camera along −z, whose picture has its rows from the top.
         let grid = Grid::around(&bounds(&scene), 64).unwrap();
         let width = 64.0 * grid.edge();

@@ -10,7 +10,7 @@ use shadowgraph::techniques::voxel::winding::Winding;
 use shadowgraph::techniques::voxel::{Axis, FillRule, Grid, Voxels};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure};
-use shadowgraph_tests::solids::{self, awkward, bounds, one, soup, torus};
+use shadowgraph_tests::solids::{self, awkward, bounds, one, torus};
 use shadowgraph_tests::voxel_pictures::{beside, cut};
 
 fn voxelize(gpu: &Gpu, scene: &Scene, grid: &Grid, technique: Winding) -> Voxels {
@@ -42,11 +42,13 @@ fn voxel_winding_agrees_with_its_reference() {
         bound: "equal bits".into(),
     });
     silent(gpu);
-    let tetrahedra = one("tetrahedra", vec![(soup(200), Mat4::IDENTITY)]);
-    let grid = Grid::around(&bounds(&tetrahedra), 160).unwrap();
+    let turns =
+        [0.0, 0.9, 1.8].map(|turn| (torus(96, 48), Mat4::from_rotation_x(turn) * Mat4::from_rotation_y(0.7 * turn)));
+    let rings = one("three tori", turns.to_vec());
+    let grid = Grid::around(&bounds(&rings), 160).unwrap();
     let [odd, all] = [FillRule::EvenOdd, FillRule::NonZero]
-        .map(|rule| cut(&voxelize(gpu, &tetrahedra, &grid, Winding { rule, ..Winding::default() }), 84));
-    let caption = "A slice of 200 tetrahedra that run through one another, 160³ voxels: by the even-odd rule, and by the \
+        .map(|rule| cut(&voxelize(gpu, &rings, &grid, Winding { rule, ..Winding::default() }), 84));
+    let caption = "A slice of three tori that run through one another, 160³ voxels: by the even-odd rule, and by the \
         non-zero rule";
     figures::publish(gpu, "voxel", "winding", &figures, Some(&beside([odd, all], caption.into())));
 }

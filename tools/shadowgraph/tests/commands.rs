@@ -503,6 +503,6 @@ fn voxels_are_written_with_what_they_mean() {
     is_refused(&voxelize(&["--resolution", "8,4,2"]), "--min and --edge");
     is_refused(&voxelize(&["--min", "0,0,0"]), "--edge");
     is_refused(&voxelize(&["--min", "0,0,0", "--edge", "-1"]), "greater than 0");
-    is_refused(&["voxelize", "builtin:cornell", "-o", "o.obj"], ".npy, .packed.npy, .binvox");
+    is_refused(&["voxelize", "builtin:cornell", "-o", "o.obj"], ".npy, .packed.npy, .sparse.npy");
     is_refused(&["voxelize", "builtin:cornell", "-o", "no/o.npy"], "no such folder");
 }
