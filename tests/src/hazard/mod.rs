@@ -19,6 +19,7 @@
 //! of synchronisation validation, and of the examples of the specification's authors.
 
 mod atoms;
+mod choices;
 mod contents;
 mod device;
 mod draft;

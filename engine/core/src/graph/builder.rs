@@ -229,67 +229,6 @@ impl<'f> Graph<'f> {
         self.mistakes.is_empty()
     }
 
-    /// Takes an image apart into its array layers, which can then be written in any order.
-    pub fn split_layers(&mut self, image: ImageHandle) -> Vec<ImageHandle> {
-        let [first, end] = image.layers();
-        self.split_layer_blocks(image, &vec![1; (end - first) as usize])
-    }
-
-    /// Takes the first layers of an image apart into blocks of so many layers, which can then be written in any order.
-    pub fn split_layer_blocks(&mut self, image: ImageHandle, counts: &[u32]) -> Vec<ImageHandle> {
-        let Range::Image { aspects, mips, layers } = image.range else { return Vec::new() };
-        let mut first = layers[0];
-        let block = |&count: &u32| {
-            let layers = [first, first + count];
-            first += count;
-            self.split(&image, Range::Image { aspects, mips, layers })
-        };
-        counts.iter().map(block).collect()
-    }
-
-    /// Takes an image apart into its mip levels, which can then be written in any order.
-    pub fn split_mips(&mut self, image: ImageHandle) -> Vec<ImageHandle> {
-        let Range::Image { aspects, mips, layers } = image.range else { return Vec::new() };
-        let parts = mips[0]..mips[1];
-        parts.map(|mip| self.split(&image, Range::Image { aspects, mips: [mip, mip + 1], layers })).collect()
-    }
-
-    /// Takes an image of depth and stencil apart into one and the other, in this order. Sampled as a whole, it shows its
-    /// depth.
-    pub fn split_aspects(&mut self, image: ImageHandle) -> Vec<ImageHandle> {
-        let Range::Image { aspects, mips, layers } = image.range else { return Vec::new() };
-        let all = [vk::ImageAspectFlags::COLOR, vk::ImageAspectFlags::DEPTH, vk::ImageAspectFlags::STENCIL];
-        let parts = all.into_iter().filter(|&aspect| aspects.contains(aspect));
-        parts.map(|aspects| self.split(&image, Range::Image { aspects, mips, layers })).collect()
-    }
-
-    /// Puts parts of one image together again. They cover a block of layers or of mips without a gap, or all aspects.
-    pub fn join(&mut self, parts: Vec<ImageHandle>) -> Option<ImageHandle> {
-        let range = parts.iter().map(|part| part.range).reduce(Range::hull)?;
-        let of = parts.iter().map(|part| part.version).collect();
-        let first = parts.into_iter().next()?;
-        let version = self.version(first.resource, range, Source::Join { of });
-        Some(ImageHandle { version, range, ..first })
-    }
-
-    /// Lets `count` passes write atomically to one buffer in any order; [`Graph::join_appended`] ends that.
-    pub fn append(&mut self, buffer: BufferHandle, count: usize) -> Vec<BufferHandle> {
-        let of = buffer.version;
-        let fork = |graph: &mut Self| {
-            let version = graph.version(buffer.resource, buffer.range, Source::Fork { of });
-            BufferHandle { version, ..buffer }
-        };
-        (0..count).map(|_| fork(self)).collect()
-    }
-
-    /// The buffer after all of its unordered writers.
-    pub fn join_appended(&mut self, forks: Vec<BufferHandle>) -> Option<BufferHandle> {
-        let of = forks.iter().map(|fork| fork.version).collect();
-        let first = forks.into_iter().next()?;
-        let version = self.version(first.resource, first.range, Source::Join { of });
-        Some(BufferHandle { version, ..first })
-    }
-
     /// Marks contents to be read back at the end of the frame, under a name. They are neither culled nor aliased
     /// away; where a later pass writes over them, a copy is made before.
     pub fn capture(&mut self, name: impl Into<String>, handle: &impl Handle) {
@@ -343,15 +282,10 @@ impl<'f> Graph<'f> {
         (resource, self.version(resource, range, Source::Initial))
     }
 
-    fn version(&mut self, resource: ResourceId, range: Range, source: Source) -> VersionId {
+    pub(super) fn version(&mut self, resource: ResourceId, range: Range, source: Source) -> VersionId {
         let id = VersionId(self.description.versions.len() as u32);
         self.description.versions.push(Version { resource, range, source });
         id
-    }
-
-    fn split(&mut self, whole: &ImageHandle, range: Range) -> ImageHandle {
-        let version = self.version(whole.resource, range, Source::Split { of: whole.version });
-        ImageHandle { version, range, ..*whole }
     }
 
     /// The id that the next pushed pass gets.

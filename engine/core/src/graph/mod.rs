@@ -9,6 +9,7 @@ mod execute;
 mod handle;
 mod history;
 mod name;
+mod parts;
 mod pass;
 pub mod plan;
 mod record;

@@ -43,7 +43,7 @@ impl Setup {
         let shader = Box::leak(Box::new(Shader {
             file: "peers/chain.wgsl",
             stage: Stage::Compute,
-            spirv: shader::spirv()?.leak(),
+            spirv: bytemuck::cast_slice(shader::spirv()?.leak()),
             bindings: Box::leak(Box::new(bindings)),
             push: Some(Push { name: "Push", size: 4 }),
             inputs: &[],

@@ -4,6 +4,7 @@ mod capture;
 mod histories;
 mod plans;
 mod queries;
+mod ready;
 mod resources;
 mod run;
 mod segments;
@@ -19,20 +20,19 @@ use ash::vk;
 pub use capture::Capture;
 pub(super) use queries::Asked;
 pub use queries::{Counts, PassCount};
+pub use ready::Prepared;
 pub use timer::PassTime;
 
 use self::histories::{Histories, Turns};
 use self::plans::Plans;
-use self::queries::Queries;
+use self::ready::{Phase, Task};
 use self::resources::Resources;
-use self::sets::Sets;
-use self::timer::Timer;
 use self::transients::Transients;
 use super::builder::Graph;
 use super::description::{Description, PassId};
 use super::pass::{Bound, Work};
-use super::plan::{Plan, Segment, Work as Step};
-use super::record::{self, Batches, BoundCompute, Ready};
+use super::plan::{Plan, Segment};
+use super::record::{self, BoundCompute};
 use crate::gpu::{Buffer, BufferInfo, DescriptorCache, Gpu, Memory};
 use crate::shader::Pipelines;
 use crate::{Error, Result};
@@ -52,46 +52,6 @@ pub struct Executor<'g> {
     plans: Plans,
     serialize: bool,
     instruments: bool,
-}
-
-/// A frame made ready to be run any number of times: see [`Executor::prepare`].
-///
-/// Frames of one executor share memory: none keeps anything from run to run but what it imports, and histories.
-pub struct Prepared<'f> {
-    description: Description,
-    steps: Vec<Task>,
-    /// By pass.
-    work: Vec<Work<'f>>,
-    /// One, or two that take turns as histories do.
-    phases: Vec<Phase>,
-    /// Of the frame, as it found them.
-    turns: Turns,
-    descriptors: DescriptorCache,
-    timer: Timer,
-    queries: Queries,
-    /// Number of its first pass in the whole frame.
-    first_pass: u32,
-    /// Descriptor sets point into it, and at what is bound.
-    _kept: (Option<Buffer>, Arc<Vec<Bound>>),
-}
-
-/// What follows from where resources lie.
-struct Phase {
-    /// One before each step, and the last one at the end.
-    barriers: Batches,
-    /// Of all passes.
-    programs: Vec<Ready>,
-    memory: Resources,
-}
-
-/// One step.
-enum Task {
-    /// `programs`: among those of all passes.
-    Pass {
-        pass: u32,
-        programs: std::ops::Range<usize>,
-    },
-    ReadBack(usize),
 }
 
 /// A frame that has run.
@@ -288,64 +248,6 @@ impl<'g> Executor<'g> {
         Ok((Ran { recording: ran.recording + readying, ..ran }, prepared.description))
     }
 
-    /// Everything but recording.
-    fn ready<'f>(
-        &mut self,
-        description: Description,
-        plan: &Plan,
-        frame: &mut Frame<'f>,
-        (mut descriptors, turns): (DescriptorCache, Turns),
-    ) -> Result<Prepared<'f>> {
-        let work: Vec<Work> = frame.work.by_ref().take(description.passes.len()).collect();
-
-        // 1. Memory that the plan placed.
-        self.transients.make(self.gpu, plan, &description, self.instruments, &mut frame.memory)?;
-        let (memory, arena) = (std::mem::take(&mut frame.memory), frame.arena.as_ref());
-
-        // 2. Pipelines, in the order of the plan.
-        let planned = plan.steps.iter().filter_map(|step| match step.work {
-            Step::Pass(PassId(pass)) => work.get(pass as usize),
-            Step::ReadBack(_) => None,
-        });
-        let mut wanted = Vec::with_capacity(plan.steps.len());
-        planned.for_each(|work| work.pipelines(&mut wanted));
-        let pipelines = self.pipelines.all(self.gpu, &wanted)?;
-
-        // 3. Descriptor sets and barriers, for each turn of histories.
-        let mut steps = Vec::with_capacity(plan.steps.len());
-        let mut phases = Vec::with_capacity(2);
-        let (gpu, bound) = (self.gpu, &frame.bound);
-        for memory in turns.memories(memory) {
-            let (cache, contents) = (&mut descriptors, Vec::new());
-            let mut sets = Sets { gpu, memory: &memory, bound, arena, cache, contents };
-            let (mut barriers, validated) = (Batches::with_capacity(plan), gpu.is_validated());
-            let mut programs = Vec::with_capacity(pipelines.len());
-            let mut pipelines = pipelines.iter();
-            steps.clear();
-            for step in &plan.steps {
-                let task = match step.work {
-                    Step::Pass(PassId(pass)) => {
-                        let (name, work) = (&description.passes[pass as usize].name, &work[pass as usize]);
-                        let first = programs.len();
-                        sets.ready(name, work, &mut pipelines, &mut programs)?;
-                        Task::Pass { pass, programs: first..programs.len() }
-                    }
-                    Step::ReadBack(root) => Task::ReadBack(root),
-                };
-                steps.push(task);
-                run::batch(&mut barriers, &step.barriers, &memory, validated);
-            }
-            run::batch(&mut barriers, &plan.finally, &memory, validated);
-            phases.push(Phase { barriers, programs, memory });
-        }
-        let timer = if self.instruments { Timer::new(self.gpu, steps.len())? } else { Timer::default() };
-        let queries = self.queries(plan, &description, frame)?;
-        let first_pass = frame.first_pass;
-        frame.first_pass += description.passes.len() as u32;
-        let _kept = (frame.arena.clone(), frame.bound.clone());
-        Ok(Prepared { description, steps, work, phases, turns, descriptors, timer, queries, first_pass, _kept })
-    }
-
     /// `later`: what segments after this one do. Their pipelines are made while the device is busy.
     fn record_and_wait<'w, 'f: 'w>(
         &mut self,
@@ -413,18 +315,6 @@ impl<'g> Executor<'g> {
         };
         let passes = timer.times(|index| steps.get(index).map(name).unwrap_or_default())?;
         Ok(Ran { captures, passes, counts: queries.counts()?, recording, running })
-    }
-
-    /// Queries of the passes that run.
-    fn queries(&self, plan: &Plan, description: &Description, frame: &Frame) -> Result<Queries> {
-        if frame.queries.is_empty() {
-            return Ok(Queries::default());
-        }
-        Queries::new(self.gpu, &frame.queries, |PassId(pass)| {
-            let here = pass.checked_sub(frame.first_pass)?;
-            let runs = plan.steps.iter().any(|step| step.work == Step::Pass(PassId(here)));
-            runs.then(|| description.passes[here as usize].name.to_string())
-        })
     }
 
     /// The last frame's buffer where the bytes fit, else a new one.

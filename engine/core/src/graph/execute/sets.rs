@@ -31,7 +31,7 @@ impl<'a> Sets<'a> {
         &mut self,
         pass: &Name,
         work: &Work,
-        pipelines: &mut std::slice::Iter<Pipeline>,
+        pipelines: &mut impl Iterator<Item = Pipeline>,
         ready: &mut Vec<Ready>,
     ) -> Result<()> {
         let (count, bound) = match work {
@@ -49,9 +49,9 @@ impl<'a> Sets<'a> {
             }
             let set = match self.contents.is_empty() {
                 true => vk::DescriptorSet::null(),
-                false => self.cache.set(pipeline, 0, &self.contents)?,
+                false => self.cache.set(&pipeline, 0, &self.contents)?,
             };
-            ready.push(Ready { pipeline: pipeline.clone(), set });
+            ready.push(Ready { pipeline, set });
         }
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! Barriers between the groups of each cell, put together by range and by step.
+//! Barriers between the groups of each cell.
 
 use ash::vk::{AccessFlags2 as Mask, ImageLayout as Layout, PipelineStageFlags2 as Stages};
 
@@ -9,8 +9,8 @@ use super::queues::{Crossing, Families, Reliance};
 use super::stages::{any, both, earliest, latest, set, with_later, without};
 use super::usage::reads;
 use super::versions::Versions;
-use super::{Barriers, BufferBarrier, Hazard, ImageBarrier, MemoryBarrier, Ownership, Reason};
-use crate::graph::description::{Access, Description, Queue, Range, ResourceId, Shape};
+use super::{Hazard, Ownership};
+use crate::graph::description::{Access, Description, Queue, ResourceId, Shape};
 
 /// A barrier of one cell.
 #[derive(Clone, Copy, Debug)]
@@ -23,7 +23,7 @@ pub(super) struct Pending {
     pub(super) behind: At,
     /// First and end of the reliances on semaphores that it is chained to.
     relies: [u32; 2],
-    kind: Kind,
+    pub(super) kind: Kind,
 }
 
 /// All barriers, by cell.
@@ -81,19 +81,19 @@ impl Pending {
 /// All that must be alike for cells to share a barrier.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Kind {
-    scope: Scope,
-    from: Access,
-    to: Access,
-    ownership: Option<Ownership>,
-    hazard: Hazard,
+    pub(super) scope: Scope,
+    pub(super) from: Access,
+    pub(super) to: Access,
+    pub(super) ownership: Option<Ownership>,
+    pub(super) hazard: Hazard,
     /// The last use before it and the first one after it.
-    before: At,
-    after: At,
+    pub(super) before: At,
+    pub(super) after: At,
 }
 
 /// Which of Vulkan's barriers it becomes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Scope {
+pub(super) enum Scope {
     /// `VkImageMemoryBarrier2` or `VkBufferMemoryBarrier2`.
     Resource,
     /// `VkMemoryBarrier2`.
@@ -332,61 +332,12 @@ fn execution(access: Access) -> Access {
     Access { stages: earliest(access.stages), ..Access::NONE }
 }
 
-/// Barriers of one resource, each with its cells.
-pub(super) type Alike = Vec<(Kind, Vec<u32>)>;
-
-/// Puts barriers of one place together: cells that share one become ranges. `place`: their numbers among all.
-/// `alike`: room for what is alike.
-pub(super) fn together(context: &Context, all: &[Pending], place: &[u32], alike: &mut Alike, barriers: &mut Barriers) {
-    let resource_of = |&index: &u32| context.resource(&all[index as usize]);
-    for chunk in place.chunk_by(|a, b| resource_of(a) == resource_of(b)) {
-        let resource = resource_of(&chunk[0]);
-        if context.versions.cells.of(resource).len() == 1 {
-            let kind = |index: u32| &all[index as usize].kind;
-            for (place, &index) in chunk.iter().enumerate() {
-                if !chunk[..place].iter().any(|&known| kind(known) == kind(index)) {
-                    add(context, resource, kind(index), context.versions.cells.whole(resource), barriers);
-                }
-            }
-            continue;
-        }
-        alike.clear();
-        for barrier in chunk.iter().map(|&index| &all[index as usize]) {
-            match alike.iter_mut().find(|(kind, _)| *kind == barrier.kind) {
-                Some((_, cells)) => cells.push(barrier.cell),
-                None => alike.push((barrier.kind, vec![barrier.cell])),
-            }
-        }
-        for (kind, cells) in &*alike {
-            let ranges = context.versions.cells.ranges(cells);
-            // One for all memory does for all parts.
-            let count = if kind.scope == Scope::Memory { 1 } else { ranges.len() };
-            ranges.into_iter().take(count).for_each(|range| add(context, resource, kind, range, barriers));
-        }
-    }
-}
-
-/// Adds Vulkan's barrier for a range of a resource.
-fn add(context: &Context, resource: ResourceId, kind: &Kind, range: Range, barriers: &mut Barriers) {
-    let Kind { scope, from, to, ownership, hazard, before, after } = *kind;
-    let work = |at: At| at.index().map(|step| context.schedule.work(step));
-    let reason = Reason { hazard, resource: Some(resource), before: work(before), after: work(after) };
-    match scope {
-        Scope::Memory => barriers.memory.push(MemoryBarrier { from, to, reason }),
-        Scope::Resource if context.is_image(resource) => {
-            let follows = Access::NONE;
-            barriers.images.push(ImageBarrier { resource, range, from, follows, to, ownership, reason });
-        }
-        Scope::Resource => barriers.buffers.push(BufferBarrier { resource, range, from, to, ownership, reason }),
-    }
-}
-
 impl Context<'_> {
-    fn is_image(&self, resource: ResourceId) -> bool {
+    pub(super) fn is_image(&self, resource: ResourceId) -> bool {
         matches!(self.description.resources[resource.0 as usize].shape, Shape::Image(_))
     }
 
-    fn resource(&self, pending: &Pending) -> ResourceId {
+    pub(super) fn resource(&self, pending: &Pending) -> ResourceId {
         self.versions.cells.resource(pending.cell)
     }
 

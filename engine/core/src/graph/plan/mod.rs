@@ -1,6 +1,7 @@
 //! Planning: from a description to a plan. Pure functions over plain data.
 
 mod apart;
+mod attach;
 mod barriers;
 mod cells;
 mod cull;
@@ -36,15 +37,13 @@ pub(super) use versions::held_at_the_end;
 
 use std::hash::{Hash, Hasher};
 
-use ash::vk::ImageLayout as Layout;
-
 use self::barriers::Context;
 use self::dependencies::{Dependencies, Events};
 use self::history::History;
 use self::memo::Memo;
 use self::queues::{Families, RoundTrip};
 use self::versions::Versions;
-use super::description::{Access, Description, Origin, PassId, Queue, ResourceId, Shape};
+use super::description::{Description, Origin, PassId, Queue, ResourceId, Shape};
 use super::errors::{ErrorKind, GraphError, GraphErrors};
 
 /// Plans a frame for a device; of a frame with checkpoints, what comes before the first one ([`segment`]).
@@ -144,8 +143,8 @@ fn plan_chosen(description: &Description, chosen: Chosen, device: &dyn DeviceMod
         },
         fingerprint: 0,
     };
-    attach(&mut plan, &context, &pending);
-    show_host(&mut plan);
+    attach::attach(&mut plan, &context, &pending);
+    attach::show_host(&mut plan);
     drop_redundant(&mut plan, &trips, &chained, description.passes.len());
     plan.statistics.count(&plan.steps, &plan.batches, &plan.finally, &plan.heaps);
     Ok(plan)
@@ -205,35 +204,6 @@ impl Hash for Alike<'_> {
             Shape::Image(shape) => u64::from(shape.extent[0]) << 32 | u64::from(shape.format.as_raw() as u32),
             Shape::Buffer { size } => *size,
         });
-    }
-}
-
-/// Puts each barrier before its step, at the end of its batch, or at the end of the frame.
-fn attach(plan: &mut Plan, context: &Context, pending: &barriers::AllPending) {
-    let mut batch_of = vec![0; if plan.is_single_queue() { 0 } else { plan.steps.len() }];
-    for (index, batch) in plan.batches.iter().enumerate().skip(1) {
-        batch.steps.iter().for_each(|&step| batch_of[step] = index);
-    }
-    let mut alike = Vec::new();
-    for place in pending.order.chunk_by(|&a, &b| pending.place(a) == pending.place(b)) {
-        let (at, release) = pending.place(place[0]);
-        let barriers = match (release, at.index()) {
-            (true, step) => &mut plan.batches[step.and_then(|step| batch_of.get(step)).copied().unwrap_or(0)].release,
-            (false, Some(step)) => &mut plan.steps[step].barriers,
-            (false, None) => &mut plan.finally,
-        };
-        barriers::together(context, &pending.list, place, &mut alike, barriers);
-    }
-}
-
-/// Makes read-backs visible to the host.
-fn show_host(plan: &mut Plan) {
-    let is_read_back = |work: &Work| matches!(work, Work::ReadBack(_));
-    if let Some(before) = plan.steps.iter().rev().map(|step| step.work).find(is_read_back) {
-        let reason = Reason { hazard: Hazard::Host, resource: None, before: Some(before), after: None };
-        let no_layout = |access: Access| Access { layout: Layout::UNDEFINED, ..access };
-        let (from, to) = (no_layout(Access::copy_write()), no_layout(Access::host_read()));
-        plan.finally.memory.push(MemoryBarrier { from, to, reason });
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::data::part;
+use super::build::part;
 use super::path::{critical_path, makers, used};
 use crate::graph::description::{Description, Queue};
 use crate::graph::plan::{Plan, Work};

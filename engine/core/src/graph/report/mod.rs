@@ -3,6 +3,7 @@
 //! [`Report`] is the data behind JSON, and behind any page made from it. Its `schema` names the form; what is added
 //! later keeps the names that are there, and raises the number after the dot.
 
+mod build;
 mod data;
 mod dot;
 mod page;

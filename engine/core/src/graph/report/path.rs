@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::data::part;
+use super::build::part;
 use crate::graph::description::{Description, PassId, Source, VersionId};
 use crate::graph::plan::{Plan, Work};
 

@@ -127,6 +127,6 @@ fn scope(access: &Access) -> String {
 
 /// A range, where it is not all.
 fn part(shape: &Shape, range: &Range) -> String {
-    let part = super::data::part(shape, range);
+    let part = super::build::part(shape, range);
     if part.is_empty() { part } else { format!(" {part}") }
 }
