@@ -19,6 +19,11 @@ pub trait Fragments<'f> {
     fn bind(&self, pass: &mut RasterPass<'_, 'f>, step: Step);
     /// Draws with them.
     fn draw(&self, step: Step) -> Draw<'f>;
+    /// Whether some multiply what passes through them channel by channel, so that techniques keep three numbers a layer and
+    /// not one alpha.
+    fn tints(&self) -> bool {
+        false
+    }
     /// Distances along the view axis that all fragments lie between, metres.
     fn distances(&self) -> [f32; 2];
 }
@@ -173,6 +178,10 @@ impl<'s, 'f> Blended<'s, 'f> {
 }
 
 impl<'f> Fragments<'f> for Blended<'_, 'f> {
+    fn tints(&self) -> bool {
+        self.scene.transmits()
+    }
+
     fn programs(&self, step: Step) -> Vec<Program> {
         if step == Step::ArraysInOrder && self.pull_vertices {
             return Vec::new();
