@@ -142,7 +142,7 @@ fn histories_of_a_prepared_frame_take_turns() {
         let added = Cell::new(0);
         let mut executor = Executor::new(gpu);
         let mut light = 7;
-        let mut execute = |executor: &mut Executor, value| {
+        let execute = |executor: &mut Executor, value| {
             added.set(value);
             let mut graph = executor.graph("frame");
             accumulate(&mut graph, &added);
@@ -184,7 +184,7 @@ fn what_changes_from_run_to_run_is_not_prepared() {
     isolated_device("what_changes_from_run_to_run_is_not_prepared", |gpu| {
         let added = Cell::new(1);
         let mut executor = Executor::new(gpu);
-        let mut refused = |executor: &mut Executor, why: &str| {
+        let refused = |executor: &mut Executor, why: &str| {
             let mut graph = executor.graph("frame");
             accumulate(&mut graph, &added);
             let plan = graph.compile(gpu).unwrap();
