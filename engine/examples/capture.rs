@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let receivers = Receivers { view: &view, depth: &surfaces.depth, ids: &surfaces.ids };
     let mask = graph.image("sun.mask", ImageShape::new_2d(Format::R32_SFLOAT, view.size));
     let cascades = Cascaded { cascades: 4, splits: Splits::Practical(0.8), ..Cascaded::default() };
-    let shadow = cascades.record(&mut graph, &scene, &receivers, sun, mask);
+    let shadow = cascades.record(&mut graph, &scene, &receivers, sun, mask)?;
     graph.capture("sun", &shadow.mask);
 
     let plan = graph.compile(&gpu)?;

@@ -7,5 +7,5 @@
 layout(location = 0) flat in uint layer;
 
 void main() {
-    keep_color(vec4(0.1, 0.2, 0.3, 0.4), layer);
+    keep_color(plain_layer(vec4(0.1, 0.2, 0.3, 0.4)), layer);
 }

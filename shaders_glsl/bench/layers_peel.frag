@@ -7,5 +7,5 @@
 layout(location = 0) flat in uint layer;
 
 void main() {
-    peel(vec4(0.1, 0.2, 0.3, 0.4), layer);
+    peel(plain_layer(vec4(0.1, 0.2, 0.3, 0.4)), layer);
 }

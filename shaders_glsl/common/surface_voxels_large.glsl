@@ -24,7 +24,7 @@ void main() {
         Triangle triangle = triangle_at(large.x);
         for (uint row = begin; row < large.y; row += stride) {
             for (int x = triangle.first.x; x <= triangle.last.x; ++x) {
-                mark_column(triangle, ivec2(x, triangle.first.y + int(row)));
+                visit_column(triangle, ivec2(x, triangle.first.y + int(row)));
             }
         }
     }

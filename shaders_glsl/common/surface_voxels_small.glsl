@@ -39,6 +39,6 @@ void main() {
     }
     int end = size.x * size.y;
     for (int i = 0; i < end; ++i) {
-        mark_column(triangle, triangle.first.xy + ivec2(i % size.x, i / size.x));
+        visit_column(triangle, triangle.first.xy + ivec2(i % size.x, i / size.x));
     }
 }

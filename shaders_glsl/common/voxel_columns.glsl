@@ -11,9 +11,13 @@ layout(location = 0) in vec3 position;
 
 layout(location = 0) out float out_depth; // voxels
 
-void look_along_columns() {
+// Where the vertex lies across the columns.
+vec2 snapped_column() {
     vec3 p = column_coordinates(transform_point(instances[gl_InstanceIndex], position));
-    vec2 snapped = round(p.xy * float(SUBPIXELS)) / float(SUBPIXELS);
-    gl_Position = vec4(2.0 * snapped / vec2(columns.xy) - 1.0, 0.5, 1.0);
     out_depth = p.z;
+    return round(p.xy * float(SUBPIXELS)) / float(SUBPIXELS);
+}
+
+void look_along_columns() {
+    gl_Position = vec4(2.0 * snapped_column() / vec2(columns.xy) - 1.0, 0.5, 1.0);
 }

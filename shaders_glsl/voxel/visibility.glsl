@@ -1,23 +1,33 @@
 #include "common/voxels.glsl"
+#include "common/voxel_bits.glsl"
 #include "voxel/walk.glsl"
-// What blocks the way from point to point: the bits of a grid, and a pyramid over them to skip what is empty.
+// What blocks the way from point to point: the bits of a grid, and a pyramid over them to skip what is empty. Of bricks, the
+// pyramid is one over their grid, which is level 3; finer levels are found in their words.
 
 layout(set = 0, binding = 1, scalar) uniform PyramidLevels {
     uint level_begins[12]; // words
     uint coarsest; // level that walks begin at; 0: voxels alone
 };
-layout(set = 0, binding = 2, scalar) readonly buffer Bits {
-    uint bits[];
-};
 layout(set = 0, binding = 3, scalar) readonly buffer Pyramid {
     uint pyramid[];
 };
 
-bool is_set(uvec3 voxel, uint level) {
+// Whether any of the block of 2^level voxels an axis is set that a voxel is in.
+bool is_occupied(uvec3 voxel, uint level) {
+    if (IN_BRICKS && level < 3u) {
+        return is_any_set(voxel, level);
+    }
     uvec3 p = voxel >> level;
     uvec2 size = (columns.xy + (1u << level) - 1u) >> level;
     uint index = (p.z / 32u * size.y + p.y) * size.x + p.x;
-    uint word = level == 0u ? bits[index] : pyramid[level_begins[level] + index];
+    uint word;
+    if (IN_BRICKS && level == 3u) {
+        word = coarse[index];
+    } else if (!IN_BRICKS && level == 0u) {
+        word = bits[index];
+    } else {
+        word = pyramid[level_begins[level] + index];
+    }
     return (word >> (p.z % 32u) & 1u) != 0u;
 }
 
@@ -70,11 +80,11 @@ bool is_blocked(vec3 world_origin, vec3 world_end) {
     Walk walk = walk_from(from, to);
     uint level = coarsest;
     do {
-        while (level > 0u && is_set(walk.voxel, level)) {
+        while (level > 0u && is_occupied(walk.voxel, level)) {
             --level;
         }
         bool is_own = (own.x && walk.voxel == from / PARTS) || (own.y && walk.voxel == to / PARTS);
-        if (level == 0u && !is_own && is_set(walk.voxel, 0u)) {
+        if (level == 0u && !is_own && is_occupied(walk.voxel, 0u)) {
             return true;
         }
         if (!leave(walk, level)) {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, read};
+use exr::prelude::{AnyChannels, FlatSamples, Image, Layers, ReadChannels, ReadLayers, read};
 
 /// A file.
 #[derive(Clone, Debug)]
@@ -36,17 +36,17 @@ pub enum Channel {
     Uint(Vec<u32>),
 }
 
+/// Everything in a file. Panics, with the file's name, where it cannot be read. Here and not in each test, as the crate's
+/// reader is compiled anew for every one that names it.
+pub fn image(path: &Path) -> Image<Layers<AnyChannels<FlatSamples>>> {
+    let reader = read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
+    reader.from_file(path).unwrap_or_else(|error| panic!("cannot read {}: {error}", path.display()))
+}
+
 impl ExrFile {
     /// Reads a file. Panics, with the file's name, where it cannot: this is for tests.
     pub fn read(path: &Path) -> Self {
-        let image = read()
-            .no_deep_data()
-            .largest_resolution_level()
-            .all_channels()
-            .all_layers()
-            .all_attributes()
-            .from_file(path)
-            .unwrap_or_else(|error| panic!("cannot read {}: {error}", path.display()));
+        let image = image(path);
         let shared = texts(&image.attributes.other);
         let parts = image.layer_data.iter().map(|layer| {
             let channels = layer.channel_data.list.iter().map(|channel| {

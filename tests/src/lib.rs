@@ -24,3 +24,4 @@ pub mod solids;
 pub mod soup;
 pub mod tiny;
 pub mod twin;
+pub mod voxel_pictures;

@@ -5,7 +5,7 @@ use shadowgraph::techniques::transparency::abuffer::{ABuffer, Build, NodeFormat}
 
 use crate::device::{shared, silent};
 use crate::figures::{Check, Picture};
-use crate::soup::{Kitchen, Random, Soup};
+use crate::soup::{Kind, Kitchen, Random, Soup};
 
 /// An A-buffer whose nodes round nothing: what is peeled is not stored either.
 pub const ABUFFER: ABuffer =
@@ -23,11 +23,17 @@ pub fn with_references(
         Soup::interpenetrating([32, 32], 12),
         Soup::coplanar([64, 64], 21),
     ];
+    // Layers that multiply channel by channel what lies behind them, and others.
+    let every = [Kind::Glass, Kind::Blend, Kind::Premultiplied, Kind::Add];
+    let glass =
+        [Soup::random(16, [64, 64], 24, 3).made_of(&every), Soup::random(17, [32, 32], 12, 16).made_of(&[Kind::Glass])];
+    let plain = soups.iter().map(|soup| (soup, ABUFFER));
+    let tinted = glass.iter().map(|soup| (soup, ABuffer { format: NodeFormat::FloatTinted, ..ABUFFER }));
     let mut checks = Vec::new();
-    for soup in &soups {
+    for (soup, abuffer) in plain.chain(tinted) {
         let mut kitchen = Kitchen::new(shared(), soup);
         let found = composite(&mut kitchen, peeling, false);
-        let layers = kitchen.run(ABUFFER, false).unwrap_or_else(|error| panic!("{error}"));
+        let layers = kitchen.run(abuffer, false).unwrap_or_else(|error| panic!("{error}"));
         assert!(layers.longest > 2);
         checks.extend([soup.compare(&found, 1e-5, "color"), compare(soup, &found, &layers.color)]);
     }
@@ -97,6 +103,16 @@ pub fn mistakes_are_seen(peeling: &dyn OrderIndependent) {
         soup.compare(&found, 1e-5, "color").fails()
     };
     assert!(!fails(|_| {}));
+    // Glass of another colour, and glass that hides instead.
+    let glass = Soup::random(17, [32, 32], 12, 8).made_of(&[Kind::Glass]);
+    let fails_glass = |mistaken: &Soup| {
+        let found = composite(&mut Kitchen::new(shared(), mistaken), peeling, false);
+        glass.compare(&found, 1e-5, "color").fails()
+    };
+    assert!(!fails_glass(&glass));
+    let mut turned = glass.clone();
+    turned.triangles[5].color[0] *= 0.98;
+    assert!(fails_glass(&turned) && fails_glass(&glass.clone().made_of(&[Kind::Blend])));
     // A layer less; one a little denser; ties the other way around.
     assert!(fails(|soup| soup.triangles.truncate(41)));
     assert!(fails(|soup| soup.triangles[3].color[3] *= 0.99));

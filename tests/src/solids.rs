@@ -1,4 +1,4 @@
-//! Solids to voxelize, and a picture of their voxels.
+//! Solids to voxelize, and what is asked of their voxels.
 
 use glam::{DVec3, EulerRot, Mat4, Quat, Vec3};
 use shadowgraph::Result;
@@ -6,11 +6,10 @@ use shadowgraph::geometry::Aabb;
 use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::{GpuScene, Primitive, Scene};
-use shadowgraph::techniques::voxel::attributes::VoxelAttributes;
 use shadowgraph::techniques::voxel::bitmask::Bitmask;
 use shadowgraph::techniques::voxel::{Axis, FillRule, Grid, VoxelBits, Voxels};
 
-use crate::figures::{Figure, Picture};
+use crate::figures::Figure;
 use crate::{harness, tiny, twin};
 
 /// The voxels that a technique finds.
@@ -56,14 +55,14 @@ pub fn compare(voxels: &Voxels, triangles: &[[DVec3; 3]], inside: &[bool]) -> [u
 }
 
 /// Figures of a technique that counts both faces, over [`closed`] at 32, 64, 128 and 256: by the non-zero rule against
-/// winding numbers along rays, by the even-odd rule against the bits of [`Bitmask`].
-pub fn by_both_rules(gpu: &Gpu, find: impl Fn(&Scene, &Grid, Axis, FillRule) -> Voxels) -> Vec<Figure> {
+/// winding numbers along rays, by the even-odd rule against the bits of [`Bitmask`]. Where sweeps do not run whole, the
+/// first `few` resolutions must do.
+pub fn by_both_rules(gpu: &Gpu, few: usize, find: impl Fn(&Scene, &Grid, Axis, FillRule) -> Voxels) -> Vec<Figure> {
     let mut figures = Vec::new();
     for scene in closed() {
         let [mut compared, mut left_out] = [0; 2];
-        // The finest only where the sweep runs whole.
         let sweep = [(32, Axis::X), (64, Axis::Y), (128, Axis::Z), (256, Axis::X)];
-        for &(resolution, axis) in &sweep[..if harness::is_whole() { 4 } else { 3 }] {
+        for &(resolution, axis) in &sweep[..if harness::is_whole() { 4 } else { few }] {
             let name = format!("{} at {resolution} along {axis:?}", scene.name);
             let grid = Grid::around(&bounds(&scene), resolution).unwrap_or_else(|error| panic!("{error}"));
             let triangles = twin::voxel::in_grid(&scene, &grid);
@@ -238,39 +237,4 @@ pub fn surfaces() -> Vec<Scene> {
         scenes.push(Scene::load(&path).unwrap_or_else(|error| panic!("{error}")));
     }
     scenes
-}
-
-/// The voxels from the front, which glTF has at the greatest z, lit from the upper left.
-pub fn front(voxels: &Voxels) -> Picture {
-    lit(voxels, |_| [0.75, 0.68, 0.6])
-}
-
-/// The same in their albedo.
-pub fn colored(attributes: &VoxelAttributes) -> Picture {
-    let albedo = |voxel| attributes.get(voxel).map_or([0.0; 3], |own| own.albedo.to_array());
-    Picture { exposure: 1.3, ..lit(attributes.voxels(), albedo) }
-}
-
-/// The same in any colours.
-pub fn lit(voxels: &Voxels, color: impl Fn([u32; 3]) -> [f32; 3]) -> Picture {
-    let [nx, ny, nz] = voxels.grid().size();
-    let depth = |x: u32, y: u32| (0..nz).rev().find(|&z| voxels.get([x, y, z]));
-    let scale = if nx > 300 { 1 } else { 3 };
-    let mut pixels = Vec::new();
-    for row in 0..scale * ny {
-        for column in 0..scale * nx {
-            let (x, y) = (column / scale, ny - 1 - row / scale);
-            let lit = depth(x, y).map(|z| {
-                let slope = |other: Option<u32>| (z as f32 - other.unwrap_or(0) as f32).clamp(-3.0, 3.0);
-                let (left, up) = (slope(depth(x.wrapping_sub(1), y)), slope(depth(x, y + 1)));
-                let normal = Vec3::new(-left, up, 1.6).normalize();
-                let grid_line = if scale > 1 && (column % scale == 0 || row % scale == 0) { 0.8 } else { 1.0 };
-                let lit = grid_line * (0.15 + 0.85 * normal.dot(Vec3::new(-0.4, 0.6, 0.7).normalize()).max(0.0));
-                color([x, y, z]).map(|c| c * lit)
-            });
-            pixels.push(lit.unwrap_or([0.02, 0.02, 0.03]));
-        }
-    }
-    let caption = format!("{nx}³ voxels, seen along an axis");
-    Picture { size: [scale * nx, scale * ny], pixels, exposure: 1.0, caption }
 }

@@ -6,13 +6,14 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, f16, read};
+use exr::prelude::{FlatSamples, f16};
 use glam::{Mat4, Vec2, Vec3, Vec4};
 use proptest::prelude::*;
 use shadowgraph::capture::{
     Capture, Channel, Compression, ExrOptions, HalfReport, Metadata, Part, Samples, Value, write_exr,
 };
 use shadowgraph::scene::Camera;
+use shadowgraph_tests::exr_file;
 
 /// Bits of every channel, by part and channel name.
 type Bits = BTreeMap<(String, String), (Vec<u32>, &'static str)>;
@@ -38,8 +39,7 @@ fn utf8(text: &exr::meta::attribute::Text) -> String {
 }
 
 fn bits_read(path: &Path) -> Bits {
-    let image = read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
-    let image = image.from_file(path).unwrap();
+    let image = exr_file::image(path);
     let mut bits = Bits::new();
     for layer in &image.layer_data {
         let part = layer.attributes.layer_name.as_ref().map_or(String::new(), utf8);
@@ -253,8 +253,7 @@ fn the_camera_projects_as_openexr_defines() {
     capture.metadata.add_camera(&view, &camera.projection);
     let folder = tempfile::tempdir().unwrap();
     let path = write(&capture, Compression::Zip, folder.path());
-    let image = read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
-    let image = image.from_file(&path).unwrap();
+    let image = exr_file::image(&path);
     let attributes = &image.layer_data[0].attributes;
     // Row vectors from the left, as OpenEXR multiplies.
     let times = |point: Vec3, matrix: [f32; 16]| {
@@ -301,8 +300,7 @@ fn metadata_survives() {
     capture.parts[1].metadata.add_text("shadowgraph/light", "sun");
     let folder = tempfile::tempdir().unwrap();
     let path = write(&capture, Compression::Zip, folder.path());
-    let image = read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
-    let image = image.from_file(&path).unwrap();
+    let image = exr_file::image(&path);
     let bytes = |name: &str| exr::meta::attribute::Text::from_slice_unchecked(name.as_bytes());
     let text = |part: usize, name: &str| match image.layer_data[part].attributes.other.get(&bytes(name)) {
         Some(exr::meta::attribute::AttributeValue::Text(text)) => utf8(text),

@@ -9,6 +9,7 @@ use glam::{DVec3, Vec3};
 use shadowgraph::capture::{VoxelFormat, write_voxels};
 use shadowgraph::scene::Scene;
 use shadowgraph::techniques::voxel::{Grid, Voxels};
+use shadowgraph_tests::exr_file;
 use shadowgraph_tests::twin::voxel::volume;
 
 /// A ball with a hole along z, a voxel apart from it, and a bar, in a grid of three different sizes.
@@ -130,7 +131,7 @@ fn every_slice_is_a_part() {
     let folder = tempfile::tempdir().unwrap();
     let (path, voxels) = (folder.path().join("v.exr"), solid());
     write_voxels(&path, &voxels, VoxelFormat::Exr).unwrap();
-    let image = exr::prelude::read_all_flat_layers_from_file(&path).unwrap();
+    let image = exr_file::image(&path);
     let mut found = BTreeSet::new();
     for (z, layer) in image.layer_data.iter().enumerate() {
         assert_eq!(layer.attributes.layer_name.as_ref().unwrap().to_string(), format!("z{z:04}"));
@@ -189,6 +190,33 @@ fn slices_go_from_the_left_and_the_top() {
     let picture = image::load_from_memory(&written(&long, "v.png")).unwrap().into_luma8();
     assert_eq!(picture.dimensions(), (4 * 1001 + 1, 4 * 1001 + 1));
     assert_eq!([[1, 1], [3004, 3004]].map(|[x, y]| picture.get_pixel(x, y).0[0]), [235, 235]);
+}
+
+#[test]
+fn sparse_arrays_are_records_of_set_voxels() {
+    let voxels = solid();
+    let file = written(&voxels, "v.sparse.npy");
+    let length = usize::from(u16::from_le_bytes([file[8], file[9]]));
+    let (header, records) = file[10..].split_at(length);
+    let header = String::from_utf8_lossy(header).into_owned();
+    assert!(
+        header.contains("[('voxel', '<u2', (3,))]") && header.contains(&format!("({},)", voxels.count())),
+        "{header}"
+    );
+    let read = |record: &[u8; 6]| [0, 2, 4].map(|i| u32::from(u16::from_le_bytes([record[i], record[i + 1]])));
+    let found: Vec<_> = records.as_chunks().0.iter().map(read).collect();
+    assert!(records.len() % 6 == 0 && found.iter().copied().eq(voxels.set()) && found.len() > 100);
+}
+
+#[test]
+fn what_would_unfold_to_too_much_is_refused() {
+    let check = |format: VoxelFormat, n: u32, attributes| format.check(Path::new("v"), [n; 3], attributes);
+    assert!(check(VoxelFormat::Exr, 256, true).is_ok() && check(VoxelFormat::Npy, 1024, false).is_ok());
+    for (format, n, attributes) in [(VoxelFormat::Exr, 1024, true), (VoxelFormat::Npy, 2048, false)] {
+        let error = check(format, n, attributes).unwrap_err().to_string();
+        assert!(error.contains("GiB") && error.contains(".sparse.npy"), "{error}");
+    }
+    assert!(check(VoxelFormat::SparseNpy, 2048, true).is_ok() && check(VoxelFormat::Npy, 8, true).is_err());
 }
 
 #[test]

@@ -6,7 +6,7 @@ use shadowgraph::techniques::transparency::kbuffer::KBuffer;
 use shadowgraph_tests::compare::Comparison;
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Check};
-use shadowgraph_tests::soup::{DEPTH_MARGIN, Kitchen, Random, Soup, background, beside_exact};
+use shadowgraph_tests::soup::{DEPTH_MARGIN, Kind, Kitchen, Random, Soup, background, beside_exact};
 use shadowgraph_tests::twin::approximate::kept;
 use shadowgraph_tests::twin::layers::close_call;
 
@@ -24,6 +24,7 @@ fn transparency_kbuffer_agrees_with_its_reference() {
         Soup::random(3, [32, 32], 40, 30).with_any_alpha(),
         Soup::interpenetrating([32, 32], 12),
         Soup::coplanar([64, 64], 21),
+        Soup::random(16, [64, 64], 24, 3).made_of(&[Kind::Glass, Kind::Blend, Kind::Premultiplied]),
     ];
     for soup in soups {
         let mut kitchen = Kitchen::new(shared(), &soup);

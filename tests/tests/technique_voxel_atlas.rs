@@ -11,7 +11,8 @@ use shadowgraph::techniques::voxel::{Axis, Grid, Voxels};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure};
 use shadowgraph_tests::harness;
-use shadowgraph_tests::solids::{self, awkward, bounds, front, one, surfaces, torus};
+use shadowgraph_tests::solids::{self, awkward, bounds, one, surfaces, torus};
+use shadowgraph_tests::voxel_pictures::front;
 use shadowgraph_tests::{tiny, twin};
 
 fn voxelize(gpu: &Gpu, scene: &Scene, grid: &Grid, atlas: Atlas) -> Voxels {
@@ -94,7 +95,10 @@ fn voxel_atlas_agrees_with_its_reference() {
     let picture = harness::require_scene("Spot/Spot.gltf").map(|path| {
         let scene = Scene::load(&path).unwrap();
         let grid = Grid::around(&bounds(&scene), 160).unwrap();
-        front(&voxelize(gpu, &scene, &grid, Atlas { charts: Charts::ByAxis { per_voxel: 1.0 }, ..Atlas::default() }))
+        front(
+            "Spot",
+            &voxelize(gpu, &scene, &grid, Atlas { charts: Charts::ByAxis { per_voxel: 1.0 }, ..Atlas::default() }),
+        )
     });
     figures::publish(gpu, "voxel", "atlas", &figures, picture.as_ref());
 }

@@ -9,15 +9,16 @@ use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::{AlphaMode, Material, Scene};
 use shadowgraph::techniques::voxel::attributes::{Attribute, Attributes, VoxelAttributes};
+use shadowgraph::techniques::voxel::bricks::Bricks;
 use shadowgraph::techniques::voxel::conservative::Conservative;
 use shadowgraph::techniques::voxel::{Axis, Grid, Voxels};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure};
-use shadowgraph_tests::solids::{awkward, bounds, colored, one, soup, torus};
+use shadowgraph_tests::solids::{awkward, bounds, one, soup, torus};
 use shadowgraph_tests::soup::Random;
 use shadowgraph_tests::twin::attributes::{Average, averages};
 use shadowgraph_tests::twin::scene::Scene as Truth;
-use shadowgraph_tests::{harness, tiny};
+use shadowgraph_tests::{exr_file, harness, tiny, voxel_pictures};
 
 /// What triangles that only touch a voxel add to its area, in squares of its edge: the least weight each.
 const TOUCH: f64 = 1e-5;
@@ -105,7 +106,7 @@ impl Found {
 
 /// Scenes of all kinds of material.
 fn scenes() -> Vec<Scene> {
-    let mut scenes = vec![painted(soup(60)), painted(torus(48, 24))];
+    let mut scenes = vec![painted("painted tetrahedra", soup(60)), painted("painted torus", torus(48, 24))];
     for file in [
         "Avocado/glTF/Avocado.gltf",
         "BoxVertexColors/BoxVertexColors.gltf",
@@ -125,13 +126,13 @@ fn scenes() -> Vec<Scene> {
 }
 
 /// The primitive thrice, of an opaque, an emitting and a half transparent material.
-fn painted(primitive: shadowgraph::scene::Primitive) -> Scene {
+fn painted(name: &str, primitive: shadowgraph::scene::Primitive) -> Scene {
     let colors = [[0.9, 0.1, 0.05, 1.0], [0.02, 0.6, 0.3, 0.3], [0.1, 0.2, 0.8, 0.4]];
     let parts = (0..3).map(|i| {
         let place = Mat4::from_translation(Vec3::new(0.3, 0.1, -0.2) * i as f32);
         (shadowgraph::scene::Primitive { material: i, ..primitive.clone() }, place * awkward())
     });
-    let mut scene = one("painted", parts.collect());
+    let mut scene = one(name, parts.collect());
     scene.materials = colors.map(|color| Material { base_color: Vec4::from(color), ..Material::default() }).to_vec();
     scene.materials[1].emissive = Vec3::new(500.0, 20.0, 1.0);
     scene.materials[2].alpha_mode = AlphaMode::Blend;
@@ -173,10 +174,10 @@ fn voxel_attributes_agrees_with_its_reference() {
         });
     }
     silent(gpu);
-    let picture = harness::require_scene("ToyCar/ToyCar.gltf").map(|path| {
+    let picture = harness::require_scene("Avocado/glTF/Avocado.gltf").map(|path| {
         let scene = Scene::load(&path).unwrap();
         let grid = Grid::around(&bounds(&scene), 160).unwrap();
-        colored(&attributes(executor, gpu, &scene, &grid, Axis::Z))
+        voxel_pictures::attributes("An avocado", &attributes(executor, gpu, &scene, &grid, Axis::Z))
     });
     figures::publish(gpu, "voxel", "attributes", &figures, picture.as_ref());
 }
@@ -185,7 +186,7 @@ fn voxel_attributes_agrees_with_its_reference() {
 fn voxel_attributes_with_a_seeded_mistake_is_caught() {
     let gpu = shared();
     let executor = &mut Executor::new(gpu);
-    let truth = painted(soup(30));
+    let truth = painted("tetrahedra", soup(30));
     let grid = Grid::around(&bounds(&truth), 40).unwrap();
     let mut wrong = |change: &dyn Fn(&mut Scene)| {
         let mut scene = truth.clone();
@@ -208,7 +209,7 @@ fn voxel_attributes_with_a_seeded_mistake_is_caught() {
 fn a_hundred_orders_give_the_same_bytes() {
     let gpu = shared();
     let executor = &mut Executor::new(gpu);
-    let scene = painted(soup(80));
+    let scene = painted("tetrahedra", soup(80));
     let grid = Grid::around(&bounds(&scene), 56).unwrap();
     let bits = |found: &VoxelAttributes| -> Vec<[u32; 11]> {
         let of = |a: &Attribute| {
@@ -236,10 +237,39 @@ fn a_hundred_orders_give_the_same_bytes() {
 }
 
 #[test]
+fn bricks_hold_what_the_whole_grid_does() {
+    let gpu = shared();
+    let executor = &mut Executor::new(gpu);
+    let mut compared = 0;
+    for scene in scenes() {
+        for resolution in [21, 100] {
+            let grid = off_planes(&scene, resolution);
+            let whole = attributes(executor, gpu, &scene, &grid, Axis::Z);
+            let uploaded = scene.clone().upload(gpu).unwrap();
+            let mut graph = Graph::new("attributes of bricks", gpu.caps());
+            let bricks = Bricks::default().record(&mut graph, &uploaded, &grid).unwrap();
+            let found = Attributes::default().record(&mut graph, &uploaded, &bricks).unwrap();
+            bricks.capture(&mut graph);
+            found.capture(&mut graph);
+            let plan = graph.compile(gpu).unwrap();
+            let executed = executor.execute(&plan, graph).unwrap();
+            let own = VoxelAttributes::read(&executed, Voxels::read_bricks(&executed, &grid).unwrap()).unwrap();
+            assert_eq!(own.voxels().count(), whole.voxels().count(), "{} at {resolution}", scene.name);
+            for voxel in whole.voxels().set() {
+                assert_eq!(own.get(voxel), whole.get(voxel), "{} at {resolution}: {voxel:?}", scene.name);
+                compared += usize::from(own.get(voxel).is_some());
+            }
+        }
+    }
+    assert!(compared > 50_000, "{compared}");
+    silent(gpu);
+}
+
+#[test]
 fn parts_make_up_the_surface() {
     let gpu = shared();
     let executor = &mut Executor::new(gpu);
-    let scene = painted(torus(64, 32));
+    let scene = painted("torus", torus(64, 32));
     let area: f64 = Truth::new(&scene)
         .triangles
         .iter()
@@ -334,7 +364,7 @@ fn files_hold_attributes() {
     };
 
     // A slice a part, a channel a value.
-    let image = exr::prelude::read_all_flat_layers_from_file(written("v.exr").unwrap()).unwrap();
+    let image = exr_file::image(&written("v.exr").unwrap());
     let mut compared = 0;
     for (z, layer) in image.layer_data.iter().enumerate() {
         let channel = |name: &str| -> Vec<f32> {
@@ -373,6 +403,6 @@ fn files_hold_attributes() {
         assert!(color[3] == 255 && if own.area > 0.0 { near } else { index == 1 }, "{own:?} as {color:?}");
     }
     let said = written("v.npy").unwrap_err().to_string();
-    assert!(said.contains(".vox and .exr"), "{said}");
+    assert!(said.contains(".vox, .exr and .sparse.npy"), "{said}");
     silent(gpu);
 }

@@ -11,7 +11,8 @@ use shadowgraph::techniques::voxel::six_separating::SixSeparating;
 use shadowgraph::techniques::voxel::{Axis, Grid, Voxels};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure};
-use shadowgraph_tests::solids::{self, awkward, bounds, front, one, surfaces, torus};
+use shadowgraph_tests::solids::{self, awkward, bounds, one, surfaces, torus};
+use shadowgraph_tests::voxel_pictures::front;
 use shadowgraph_tests::{harness, tiny, twin};
 
 /// How far beyond ε a voxel may be from the triangle that set it, in voxels.
@@ -105,7 +106,7 @@ fn voxel_bricks_agrees_with_its_reference() {
     silent(gpu);
     let picture = koala.map(|scene| {
         let grid = Grid::around(&bounds(&scene), 480).unwrap();
-        front(&in_bricks(gpu, &scene, &grid, Thickness::Conservative))
+        front("Koala", &in_bricks(gpu, &scene, &grid, Thickness::Conservative))
     });
     figures::publish(gpu, "voxel", "bricks", &figures, picture.as_ref());
 }

@@ -9,7 +9,8 @@ use shadowgraph::techniques::voxel::{Axis, Grid, Voxels};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure};
 use shadowgraph_tests::harness;
-use shadowgraph_tests::solids::{self, awkward, bounds, front, one, soup, surfaces, torus};
+use shadowgraph_tests::solids::{self, awkward, bounds, one, soup, surfaces, torus};
+use shadowgraph_tests::voxel_pictures::front;
 use shadowgraph_tests::{tiny, twin};
 
 /// How far beyond ε a voxel may be from the triangle that set it, in voxels.
@@ -63,7 +64,7 @@ fn voxel_conservative_agrees_with_its_reference() {
     silent(gpu);
     let picture = harness::require_scene("Demosthenes/Demosthenes.gltf").map(|path| {
         let scene = Scene::load(&path).unwrap();
-        front(&voxelize(gpu, &scene, &Grid::around(&bounds(&scene), 160).unwrap(), Axis::Z))
+        front("Demosthenes", &voxelize(gpu, &scene, &Grid::around(&bounds(&scene), 160).unwrap(), Axis::Z))
     });
     figures::publish(gpu, "voxel", "conservative", &figures, picture.as_ref());
 }

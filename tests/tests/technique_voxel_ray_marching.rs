@@ -10,13 +10,16 @@ use shadowgraph::graph::description::Access;
 use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::{GpuScene, Scene};
 use shadowgraph::techniques::voxel::bitmask::Bitmask;
+use shadowgraph::techniques::voxel::bricks::{Bricks, Thickness};
 use shadowgraph::techniques::voxel::conservative::Conservative;
 use shadowgraph::techniques::voxel::ray_marching::{RayMarching, Segment};
+use shadowgraph::techniques::voxel::six_separating::SixSeparating;
 use shadowgraph::techniques::voxel::{Axis, Grid, Level, Occluders, VoxelBits, Voxels};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure, Picture};
-use shadowgraph_tests::solids::{self, awkward, bounds, lit, one, soup, torus};
+use shadowgraph_tests::solids::{self, awkward, bounds, one, soup, torus};
 use shadowgraph_tests::twin::scene::{Ray, Rule};
+use shadowgraph_tests::voxel_pictures::lit;
 use shadowgraph_tests::{harness, parallel, tiny, twin};
 
 type Ends = [Vec3; 2];
@@ -333,8 +336,8 @@ fn picture(gpu: &Gpu) -> Option<Picture> {
             (voxel, 0.45 * open + if blocked[0] == 0 { 0.9 } else { 0.0 })
         })
         .collect();
-    let lit = lit(&solid, |voxel| [0.75, 0.68, 0.6].map(|c| c * light.get(&voxel).copied().unwrap_or(0.0)));
-    let caption = "160³ voxels; what a sun and the sky see of each, by segments through their bits".into();
+    let lit = lit("", &solid, |voxel| [0.75, 0.68, 0.6].map(|c| c * light.get(&voxel).copied().unwrap_or(0.0)));
+    let caption = "Koala, 160³ voxels: what a sun and the sky see of each, by segments through their bits".into();
     Some(Picture { caption, ..lit })
 }
 
@@ -417,6 +420,48 @@ fn voxels_of_the_ends_do_not_block() {
         });
         assert_eq!(marched.voxels.count(), 6);
         assert!(marched.blocked.iter().all(|found| found == &expected), "{axis:?}: {:?}", marched.blocked);
+    }
+    silent(gpu);
+}
+
+#[test]
+fn segments_through_bricks_meet_what_those_through_the_whole_grid_do() {
+    let gpu = shared();
+    let scenes = [
+        one("torus", vec![(torus(48, 24), awkward())]),
+        one("100 tetrahedra", vec![(soup(100), Mat4::IDENTITY)]),
+        one("needle", vec![(tiny::cuboid(Vec3::ZERO, Vec3::new(1.0, 0.01, 0.01), 0), awkward())]),
+    ];
+    for scene in &scenes {
+        let around = bounds(scene);
+        let edge = (around.max - around.min).max_element() / 100.0;
+        let odd = Grid::new(around.min - 3.3 * edge, edge, [101, 77, 83]).unwrap();
+        for grid in [Grid::around(&around, 256).unwrap(), odd, Grid::around(&around, 5).unwrap()] {
+            let segments = segments(&grid, 20_000);
+            let whole = march(gpu, scene, &grid, &segments, |graph, scene| {
+                SixSeparating::default().record(graph, scene, &grid)
+            });
+            let expected = &whole.blocked[0];
+            assert!(expected.iter().sum::<u32>() > 50, "{}: nothing is in the way", scene.name);
+            let uploaded = scene.clone().upload(gpu).unwrap();
+            let ends: Vec<_> = segments.iter().map(|&[origin, end]| Segment::new(origin, end)).collect();
+            let buffer = Segment::upload(gpu, &ends).unwrap();
+            // Within bricks, at them, above them.
+            for levels in [0, 1, 2, 3, 4, u32::MAX] {
+                let mut graph = Graph::new("march", gpu.caps());
+                let segments = graph.import_buffer(&buffer, Access::NONE, None);
+                let bricks =
+                    Bricks { thickness: Thickness::SixSeparating }.record(&mut graph, &uploaded, &grid).unwrap();
+                let occluders = Occluders::record(&mut graph, bricks);
+                let words = RayMarching { levels }.record(&mut graph, &occluders, &segments);
+                graph.capture("blocked", &words);
+                let plan = graph.compile(gpu).unwrap();
+                let executed = Executor::new(gpu).execute(&plan, graph).unwrap();
+                let found: Vec<u32> = executed.capture("blocked").unwrap().texels().unwrap();
+                let wrong = different(&found, expected);
+                assert!(wrong == 0, "{} in {:?}, {levels} levels: {wrong} differ", scene.name, grid.size());
+            }
+        }
     }
     silent(gpu);
 }

@@ -10,7 +10,8 @@ use shadowgraph::techniques::voxel::{Axis, Grid, Voxels};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure};
 use shadowgraph_tests::harness;
-use shadowgraph_tests::solids::{self, awkward, bounds, front, one, surfaces, torus};
+use shadowgraph_tests::solids::{self, awkward, bounds, one, surfaces, torus};
+use shadowgraph_tests::voxel_pictures::front;
 use shadowgraph_tests::{tiny, twin};
 
 /// How near a condition may be to equality for either answer to be right, in voxels, beside rounding of coordinates.
@@ -64,7 +65,7 @@ fn voxel_six_separating_agrees_with_its_reference() {
     silent(gpu);
     let picture = harness::require_scene("Koala/Koala.glb").map(|path| {
         let scene = Scene::load(&path).unwrap();
-        front(&voxelize(gpu, &scene, &Grid::around(&bounds(&scene), 160).unwrap(), Axis::Z, true))
+        front("Koala", &voxelize(gpu, &scene, &Grid::around(&bounds(&scene), 160).unwrap(), Axis::Z, true))
     });
     figures::publish(gpu, "voxel", "six_separating", &figures, picture.as_ref());
 }

@@ -1,7 +1,7 @@
 //! Solid voxels by signed counting against winding numbers along rays, and against the bits of the stencil.
 #![allow(missing_docs, clippy::unwrap_used)]
 
-use glam::Vec3;
+use glam::{Mat4, Vec3};
 use shadowgraph::gpu::Gpu;
 use shadowgraph::scene::Scene;
 use shadowgraph::techniques::voxel::bitmask::Bitmask;
@@ -10,8 +10,8 @@ use shadowgraph::techniques::voxel::winding::Winding;
 use shadowgraph::techniques::voxel::{Axis, FillRule, Grid, Voxels};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure};
-use shadowgraph_tests::harness;
-use shadowgraph_tests::solids::{self, awkward, bounds, front, one, torus};
+use shadowgraph_tests::solids::{self, awkward, bounds, one, torus};
+use shadowgraph_tests::voxel_pictures::{beside, cut};
 
 fn voxelize(gpu: &Gpu, scene: &Scene, grid: &Grid, technique: Winding) -> Voxels {
     solids::voxelize(gpu, scene, grid, |graph, scene| technique.record(graph, scene, grid))
@@ -21,7 +21,7 @@ fn voxelize(gpu: &Gpu, scene: &Scene, grid: &Grid, technique: Winding) -> Voxels
 fn voxel_winding_agrees_with_its_reference() {
     let gpu = shared();
     let mut figures =
-        solids::by_both_rules(gpu, |scene, grid, axis, rule| voxelize(gpu, scene, grid, Winding { axis, rule }));
+        solids::by_both_rules(gpu, 3, |scene, grid, axis, rule| voxelize(gpu, scene, grid, Winding { axis, rule }));
     // The stencil counts the same, one slice after the other; open meshes included.
     let mut equal = 0;
     for scene in solids::closed().into_iter().chain(solids::surfaces()) {
@@ -42,11 +42,15 @@ fn voxel_winding_agrees_with_its_reference() {
         bound: "equal bits".into(),
     });
     silent(gpu);
-    let picture = harness::require_scene("AnalyticSolids/AnalyticSolids.glb").map(|path| {
-        let scene = Scene::load(&path).unwrap();
-        front(&voxelize(gpu, &scene, &Grid::around(&bounds(&scene), 160).unwrap(), Winding::default()))
-    });
-    figures::publish(gpu, "voxel", "winding", &figures, picture.as_ref());
+    let turns =
+        [0.0, 0.9, 1.8].map(|turn| (torus(96, 48), Mat4::from_rotation_x(turn) * Mat4::from_rotation_y(0.7 * turn)));
+    let rings = one("three tori", turns.to_vec());
+    let grid = Grid::around(&bounds(&rings), 160).unwrap();
+    let [odd, all] = [FillRule::EvenOdd, FillRule::NonZero]
+        .map(|rule| cut(&voxelize(gpu, &rings, &grid, Winding { rule, ..Winding::default() }), 84));
+    let caption = "A slice of three tori that run through one another, 160³ voxels: by the even-odd rule, and by the \
+        non-zero rule";
+    figures::publish(gpu, "voxel", "winding", &figures, Some(&beside([odd, all], caption.into())));
 }
 
 #[test]

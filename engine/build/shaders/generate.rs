@@ -224,6 +224,7 @@ fn binding(binding: &Binding) -> String {
         Kind::SampledImage(image) => ("SampledImage", "Read", Some(image)),
         Kind::Sampler => ("Sampler", "Read", None),
         Kind::StorageImage(image, access) => ("StorageImage", access_name(*access), Some(image)),
+        Kind::InputAttachment(image) => ("InputAttachment", "Read", Some(image)),
     };
     let (set, number) = binding.place;
     format!(
@@ -262,6 +263,7 @@ fn slot(kind: &Kind) -> String {
         Kind::Storage(content, by) => format!("StorageSlot<{}, {}>", content_type(content), access(by)),
         Kind::CombinedImageSampler(_) | Kind::SampledImage(_) => "SampledSlot".into(),
         Kind::Sampler => "SamplerSlot".into(),
+        Kind::InputAttachment(_) => "InputSlot".into(),
         Kind::StorageImage(_, by) => format!("ImageSlot<{}>", access(by)),
     }
 }

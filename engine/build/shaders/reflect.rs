@@ -68,6 +68,8 @@ pub enum Kind {
     Sampler,
     /// Image to be loaded and stored.
     StorageImage(Image, AccessType),
+    /// The pass's colour attachment.
+    InputAttachment(Image),
 }
 
 /// An image's type.
@@ -251,6 +253,11 @@ fn kind(
             let format = super::name::format(&format!("{:?}", image.fmt));
             let image = Image { view, multisampled: image.is_multisampled, comparison: false, format };
             Kind::StorageImage(image, *access)
+        }
+        // A pass has one such attachment, at location 0.
+        (DescriptorType::InputAttachment(0), Type::SubpassData(image)) => {
+            let multisampled = image.is_multisampled;
+            Kind::InputAttachment(Image { view: "TYPE_2D", multisampled, comparison: false, format: None })
         }
         (DescriptorType::Sampler(), _) => Kind::Sampler,
         (other, _) => return Err(format!("{name}: descriptors of the kind {other:?} are not supported")),

@@ -114,11 +114,11 @@ impl Texels {
         Ok(report)
     }
 
-    fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.size.iter().map(|&size| size as usize).product()
     }
 
-    fn read(&self, range: Range<usize>) -> Result<Samples> {
+    pub(super) fn read(&self, range: Range<usize>) -> Result<Samples> {
         let samples = self.unpacked(range)?;
         Ok(match self.kind {
             SampleKind::F16 => samples.into_half().0,

@@ -10,6 +10,9 @@ use crate::parallel;
 use crate::scene::{Camera, Scene, View};
 use crate::{Error, Result};
 
+/// Pixels of a picture that one core takes at a time.
+const BLOCK: usize = 1 << 15;
+
 /// Layers of radiance: exposure applies to them.
 const RADIANCE: [&str; 3] = ["color", "direct", "emissive"];
 
@@ -147,11 +150,18 @@ pub fn picture(frame: &Frame, executed: &Executed) -> Result<Vec<[f32; 4]>> {
         return Err(Error::invalid("the picture", "the layer `color` was not captured"));
     };
     let capture = executed.capture(&layer.source.capture)?;
-    let texels = |component| Texels::new(capture, layer.source.layer, component);
-    let plane = |component| texels(component)?.samples().map(Samples::into_f32);
-    let [red, green, blue, alpha] = [plane(0)?, plane(1)?, plane(2)?, plane(3)?];
-    let pixels = red.iter().zip(&green).zip(&blue).zip(&alpha);
-    Ok(pixels.map(|(((&red, &green), &blue), &alpha)| [red, green, blue, alpha]).collect())
+    let component = |component| Texels::new(capture, layer.source.layer, component);
+    let components = [component(0)?, component(1)?, component(2)?, component(3)?];
+    let count = components[0].len();
+    let block = |index: usize| {
+        let range = index * BLOCK..count.min((index + 1) * BLOCK);
+        let plane = |component: usize| components[component].read(range.clone()).map(Samples::into_f32);
+        let [red, green, blue, alpha] = [plane(0)?, plane(1)?, plane(2)?, plane(3)?];
+        let pixels = red.iter().zip(&green).zip(&blue).zip(&alpha);
+        Ok(pixels.map(|(((&red, &green), &blue), &alpha)| [red, green, blue, alpha]).collect::<Vec<_>>())
+    };
+    let fault = |_| Error::invalid("the picture", "its texels cannot be read");
+    Ok(parallel::map(count.div_ceil(BLOCK), block, fault)?.concat())
 }
 
 /// What one image gives.

@@ -47,7 +47,7 @@ pub fn write_npy<T: NpyScalar>(path: &Path, shape: &[usize], values: &[T]) -> Re
             format!("its axes must multiply to the number of values, {}", values.len()),
         ));
     }
-    let header = header(T::DESCRIPTION, shape);
+    let header = header(&format!("'{}'", T::DESCRIPTION), shape);
     write_atomically(path, |file| {
         file.write_all(&header)?;
         let mut bytes = Vec::new();
@@ -60,12 +60,13 @@ pub fn write_npy<T: NpyScalar>(path: &Path, shape: &[usize], values: &[T]) -> Re
     })
 }
 
-fn header(description: &str, shape: &[usize]) -> Vec<u8> {
+/// `description`: of the elements, as Python writes it.
+pub(super) fn header(description: &str, shape: &[usize]) -> Vec<u8> {
     let axes: String = match shape {
         [one] => format!("{one},"),
         axes => axes.iter().map(usize::to_string).collect::<Vec<_>>().join(", "),
     };
-    let mut text = format!("{{'descr': '{description}', 'fortran_order': False, 'shape': ({axes}), }}");
+    let mut text = format!("{{'descr': {description}, 'fortran_order': False, 'shape': ({axes}), }}");
     // Magic, version and length take 10 bytes; with the closing line feed the data starts at a multiple of 64.
     let padding = (64 - (10 + text.len() + 1) % 64) % 64;
     text.extend(std::iter::repeat_n(' ', padding));

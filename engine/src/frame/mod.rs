@@ -12,7 +12,7 @@ pub use adaptive::AdaptiveLists;
 pub use layers::{ABUFFER_REPORT, Deep, Layer, Samples, Selection, Source};
 pub use voxels::VoxelVisibility;
 
-use self::shadows::{SpotMaps, SunShadow};
+use self::shadows::{Shadows, SpotMaps, SunShadow};
 use self::voxels::Marching;
 use crate::graph::{BufferHandle, Graph, ImageHandle};
 use crate::scene::{AlphaMode, DrawClass, GpuScene, View, light_block};
@@ -170,7 +170,10 @@ impl FrameSettings {
             occluders,
             position: &position,
         });
-        let shadows = self.shadows(graph, scene, &receivers, marching.as_ref());
+        let shadows = self.shadows(graph, scene, &receivers, marching.as_ref()).unwrap_or_else(|error| {
+            warnings.push(format!("no light casts a shadow: {error}"));
+            Shadows::new(&scene.lights)
+        });
         let lights = light_block(&scene.lights, &shadows.of_lights);
 
         // 3. Camera: shading of the opaque surfaces, then blended ones over them.
@@ -229,9 +232,19 @@ impl FrameSettings {
     fn unshown(&self, scene: &GpuScene) -> Vec<String> {
         let transparency = self.composited_by();
         let mut unshown = Vec::new();
-        let tints = matches!(transparency, Transparency::ABuffer | Transparency::Adaptive(_));
-        if scene_transmits(scene) && (self.deep || !tints) {
-            let how = if self.deep { "deep pictures have one alpha a sample" } else { "abuffer and adaptive show it" };
+        let tints = matches!(
+            transparency,
+            Transparency::ABuffer
+                | Transparency::Adaptive(_)
+                | Transparency::DepthPeeling(_)
+                | Transparency::DualDepthPeeling(_)
+                | Transparency::KBuffer(_)
+        );
+        if scene.transmits() && (self.deep || !tints) {
+            let how = match self.deep {
+                true => "deep pictures have one alpha a sample",
+                false => "abuffer, depth-peeling, dual-depth-peeling, kbuffer and adaptive show it",
+            };
             unshown.push(format!("light that passes through materials is not tinted by them: {how}"));
         }
         let averages = matches!(
@@ -293,7 +306,7 @@ impl FrameSettings {
         color: ImageHandle,
     ) -> (ImageHandle, TransparentLayers) {
         // Deep pictures have one alpha a sample.
-        let tinted = scene_transmits(blended.scene) && !self.deep;
+        let tinted = blended.scene.transmits() && !self.deep;
         let format = match self.precision {
             Precision::Float if tinted => NodeFormat::FloatTinted,
             Precision::Float => NodeFormat::Float,
@@ -312,11 +325,6 @@ impl FrameSettings {
         }
         (color, TransparentLayers { made_by: abuffer, count, front, report })
     }
-}
-
-/// Whether some material that is drawn multiplies the light that passes.
-fn scene_transmits(scene: &GpuScene) -> bool {
-    scene.draws.draws().iter().any(|draw| scene.materials[draw.material].is_transmissive())
 }
 
 /// What the A-buffer knows besides the colour.

@@ -4,6 +4,7 @@ use ash::vk;
 
 use super::FrameSettings;
 use super::voxels::Marching;
+use crate::Result;
 use crate::geometry::Aabb;
 use crate::graph::{Graph, ImageHandle, ImageShape, Load};
 use crate::scene::{DrawClass, GpuScene, Light, LightKind, LightShadow, MAX_LIGHTS, View, depth};
@@ -25,7 +26,7 @@ impl FrameSettings {
         scene: &'f GpuScene,
         receivers: &Receivers,
         marching: Option<&Marching>,
-    ) -> Shadows {
+    ) -> Result<Shadows> {
         let lights = &scene.lights;
         let sun = lights.iter().enumerate().find_map(|(i, light)| match light.kind {
             LightKind::Directional { direction, .. } => Some((i, direction)),
@@ -54,7 +55,7 @@ impl FrameSettings {
         }
         shadows.warn(lights);
         if count == 0 {
-            return shadows;
+            return Ok(shadows);
         }
         let shape = ImageShape::new_2d(vk::Format::R32_SFLOAT, self.view.size).layers(count);
         let masks = graph.image("shadow.masks", shape);
@@ -64,7 +65,7 @@ impl FrameSettings {
         if let Some((_, direction)) = sun
             && let Some(mask) = masks.next()
         {
-            let cascaded = self.cascaded.record(graph, scene, receivers, direction, mask);
+            let cascaded = self.cascaded.record(graph, scene, receivers, direction, mask)?;
             let CascadedShadow { mask, index, map, parameters, taps } = cascaded;
             written.push(mask);
             shadows.sun = Some(SunShadow { index, map, parameters, taps });
@@ -86,9 +87,9 @@ impl FrameSettings {
         }
         shadows.masks = graph.join(written);
         if let Some(technique) = self.deep_shadow {
-            self.deep_shadows(technique, graph, scene, receivers, &mut shadows);
+            self.deep_shadows(technique, graph, scene, receivers, &mut shadows)?;
         }
-        shadows
+        Ok(shadows)
     }
 
     /// Deep shadow maps of the lights that have shadows, where blended surfaces stand before them.
@@ -99,10 +100,10 @@ impl FrameSettings {
         scene: &'f GpuScene,
         receivers: &Receivers,
         shadows: &mut Shadows,
-    ) {
+    ) -> Result<()> {
         // 1. The lights and their views.
         let blended = scene.draws.draws().iter().filter(|draw| draw.class == DrawClass::Blend);
-        let Some(casters) = blended.map(|draw| draw.bounds).reduce(Aabb::union) else { return };
+        let Some(casters) = blended.map(|draw| draw.bounds).reduce(Aabb::union) else { return Ok(()) };
         let mut views: Vec<View> = Vec::new();
         // The maps stand side by side in one image.
         let in_a_row = graph.caps().limits.max_image_dimension_2d / technique.side();
@@ -119,7 +120,7 @@ impl FrameSettings {
             views.push(view);
         }
         if views.is_empty() {
-            return;
+            return Ok(());
         }
 
         // 2. What they see of blended surfaces, sorted. What is opaque has maps of its own.
@@ -129,12 +130,13 @@ impl FrameSettings {
         let mut pass = graph.raster("shadow.deep.nothing", Vec::new());
         let nothing = pass.depth(nothing, Load::Clear(depth::CLEAR));
         pass.draw(|_| Ok(()));
-        let seen = Casters::new(graph, scene, views.clone());
+        let seen = Casters::new(graph, scene, views.clone())?;
         let abuffer = ABuffer { format: NodeFormat::Transmittance, memory: self.layer_memory, ..ABuffer::default() };
         let SortedLists { nodes, spans } = abuffer.sort(graph, "shadow.deep", &nothing, &seen, MOST_LAYERS);
 
         // 3. Functions and masks.
         shadows.deep = Some(technique.record(graph, receivers, &views, SortedCasters { nodes, spans }));
+        Ok(())
     }
 }
 
@@ -165,7 +167,7 @@ pub(super) struct SpotMaps {
 }
 
 impl Shadows {
-    fn new(lights: &[Light]) -> Self {
+    pub(super) fn new(lights: &[Light]) -> Self {
         Self {
             of_lights: vec![None; lights.len()],
             masks: None,

@@ -169,6 +169,11 @@ pub const SHADED: &[VertexBuffer<'static>] = &[
 ];
 
 impl GpuScene {
+    /// Whether some material that is drawn multiplies the light that passes, channel by channel.
+    pub fn transmits(&self) -> bool {
+        self.draws.draws().iter().any(|draw| self.materials[draw.material].is_transmissive())
+    }
+
     /// Records draws with the recorder's current program.
     pub fn draw(&self, recorder: &mut Recorder, faces: Faces, draws: &[Draw]) {
         recorder.index_buffer(&self.indices);

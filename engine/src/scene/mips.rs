@@ -1,6 +1,8 @@
 //! Mip levels of textures, made on the host: the same texels on every driver, and no shader that a driver compiles
 //! for each format and size before the first frame.
 
+use std::sync::LazyLock;
+
 use super::Texture;
 use crate::gpu::linear_from_srgb;
 
@@ -8,13 +10,15 @@ use crate::gpu::linear_from_srgb;
 /// texel centres, which for even sizes is the average of 2×2 texels. Colours are averaged as light where they are
 /// sRGB-encoded.
 pub(super) fn levels(texture: &Texture, srgb: bool) -> Vec<Vec<u8>> {
-    let coding = if srgb { Coding::srgb() } else { Coding::linear() };
+    static SRGB: LazyLock<Coding> = LazyLock::new(Coding::srgb);
+    static LINEAR: LazyLock<Coding> = LazyLock::new(Coding::linear);
+    let coding: &Coding = if srgb { &SRGB } else { &LINEAR };
     let count = texture.size[0].max(texture.size[1]).max(1).ilog2();
     let mut size = texture.size.map(|size| size as usize);
     let mut levels: Vec<Vec<u8>> = Vec::with_capacity(count as usize);
     for level in 0..count as usize {
         let above = if level == 0 { &texture.pixels[..] } else { &levels[level - 1][..] };
-        let next = half(above, size, &coding);
+        let next = half(above, size, coding);
         size = size.map(|size| (size / 2).max(1));
         levels.push(next);
     }
@@ -78,22 +82,23 @@ fn taps(size: usize) -> Vec<(usize, usize, u32)> {
 
 fn half(above: &[u8], [width, height]: [usize; 2], coding: &Coding) -> Vec<u8> {
     let (columns, rows) = (taps(width), taps(height));
-    let (texels, _) = above.as_chunks::<4>();
-    let decoded = |x: usize, y: usize| {
-        let [r, g, b, a] = texels[y * width + x];
-        let color = |code: u8| coding.decode[usize::from(code)];
-        [color(r), color(g), color(b), u32::from(a) << PLAIN_BITS]
-    };
-    let mut next = Vec::with_capacity(columns.len() * rows.len() * 4);
-    for &(y0, y1, t) in &rows {
-        for &(x0, x1, s) in &columns {
-            let corners = [decoded(x0, y0), decoded(x1, y0), decoded(x0, y1), decoded(x1, y1)];
-            let weights = [(256 - s) * (256 - t), s * (256 - t), (256 - s) * t, s * t].map(u64::from);
-            let mean: [u32; 4] = std::array::from_fn(|c| {
-                let sum: u64 = corners.iter().zip(weights).map(|(corner, weight)| u64::from(corner[c]) * weight).sum();
-                ((sum + (1 << 15)) >> 16) as u32
-            });
-            next.extend([coding.color(mean[0]), coding.color(mean[1]), coding.color(mean[2]), plain(mean[3])]);
+    let texels = above.as_chunks::<4>().0;
+    let mut next = vec![0; 4 * columns.len() * rows.len()];
+    for (row, &(y0, y1, t)) in next.chunks_exact_mut(4 * columns.len()).zip(&rows) {
+        let (upper, lower) = (&texels[y0 * width..][..width], &texels[y1 * width..][..width]);
+        for (texel, &(x0, x1, s)) in row.as_chunks_mut::<4>().0.iter_mut().zip(&columns) {
+            let corners = [upper[x0], upper[x1], lower[x0], lower[x1]];
+            // In 1/65536: with 16 bits of light the sum still fits into 32.
+            let weights = [(256 - s) * (256 - t), s * (256 - t), (256 - s) * t, s * t];
+            let mut sums = [1_u32 << 15; 4];
+            for ([r, g, b, a], weight) in corners.into_iter().zip(weights) {
+                sums[0] += coding.decode[usize::from(r)] * weight;
+                sums[1] += coding.decode[usize::from(g)] * weight;
+                sums[2] += coding.decode[usize::from(b)] * weight;
+                sums[3] += (u32::from(a) << PLAIN_BITS) * weight;
+            }
+            let [r, g, b, a] = sums;
+            *texel = [coding.color(r >> 16), coding.color(g >> 16), coding.color(b >> 16), plain(a >> 16)];
         }
     }
     next

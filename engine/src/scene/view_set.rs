@@ -5,6 +5,7 @@ use glam::{Mat4, Vec3, Vec4};
 use super::{Projection, View};
 use crate::geometry::{Aabb, Frustum};
 use crate::shader::generated::blocks;
+use crate::{Error, Result};
 
 /// Most views of a set; `MAX_VIEWS` in `common/views.glsl`.
 pub const MAX_VIEWS: usize = 8;
@@ -17,8 +18,14 @@ pub struct ViewSet {
 
 impl ViewSet {
     /// A set of these views.
-    pub fn new(views: Vec<View>) -> Self {
-        Self { views }
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where there is none, or more than [`MAX_VIEWS`].
+    pub fn new(views: Vec<View>) -> Result<Self> {
+        match views.len() {
+            1..=MAX_VIEWS => Ok(Self { views }),
+            count => Err(Error::invalid("a set of views", format!("has {count} of them; 1 to {MAX_VIEWS} can be"))),
+        }
     }
 
     /// The views.
@@ -31,7 +38,7 @@ impl ViewSet {
         self.views.iter().map(|view| Frustum::new(&view.clip_from_world())).collect()
     }
 
-    /// The set as `common/views.glsl` reads it; its first [`MAX_VIEWS`] views.
+    /// The set as `common/views.glsl` reads it.
     pub fn block(&self) -> blocks::Views {
         let mut block: blocks::Views = bytemuck::Zeroable::zeroed();
         for (record, view) in block.views.iter_mut().zip(&self.views) {
@@ -43,7 +50,7 @@ impl ViewSet {
 
 impl From<View> for ViewSet {
     fn from(view: View) -> Self {
-        Self::new(vec![view])
+        Self { views: vec![view] }
     }
 }
 
@@ -112,6 +119,23 @@ impl View {
             view_from_clip: self.clip_from_view.inverse().to_cols_array_2d(),
             eye: eye.to_array(),
             size: self.size.map(|pixels| pixels as f32).into(),
+        }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::scene::Camera;
+
+    #[test]
+    fn a_set_has_a_view_and_no_more_than_shaders_take() {
+        let view = Camera::look_at(Vec3::Z, Vec3::ZERO, Vec3::Y, 1.0, 0.1).view([8, 8]);
+        assert_eq!(ViewSet::new(vec![view; MAX_VIEWS]).unwrap().frusta().len(), MAX_VIEWS);
+        for count in [0, MAX_VIEWS + 1] {
+            let error = ViewSet::new(vec![view; count]).unwrap_err().to_string();
+            assert!(error.contains(&format!("has {count} of them")), "{error}");
         }
     }
 }

@@ -4,14 +4,29 @@
 layout(early_fragment_tests) in;
 
 #include "transparency/abuffer/nodes_write.glsl"
-// By pixel, where its next node goes.
-layout(set = 0, binding = 23, scalar) buffer Cursors {
-    uint cursors[];
-};
+
+// By pixel, where its next node goes. Where fragments of a pixel run one after the other, it is read and written as an
+// attachment; an atomic addition costs several times as much.
+#ifdef IN_ORDER
+layout(input_attachment_index = 0, set = 0, binding = 23) uniform usubpassInput cursor;
+layout(location = 0) out uint next_cursor;
+
+uint take_node() {
+    uint node = subpassLoad(cursor).r;
+    next_cursor = node + 1u;
+    return node;
+}
+#else
+layout(set = 0, binding = 23, r32ui) uniform uimage2D cursors;
+
+uint take_node() {
+    return imageAtomicAdd(cursors, ivec2(gl_FragCoord.xy), 1u);
+}
+#endif
 
 void append(Layer layer, uint key) {
-    uint slot = atomicAdd(cursors[pixel_index(uvec2(gl_FragCoord.xy))], 1u);
-    if (slot < abuffer.capacity) {
-        store_node(slot, false, key, layer, NO_NODE);
+    uint node = take_node();
+    if (node < abuffer.capacity) {
+        store_node(node, false, key, layer, NO_NODE);
     }
 }

@@ -9,6 +9,7 @@
 layout(local_size_x = 64) in;
 
 layout(set = 0, binding = 5, rgba32f) uniform image2D color; // premultiplied
+#include "transparency/abuffer/filled.glsl"
 layout(set = 0, binding = 7, rgba32ui) readonly uniform uimage2D even;
 layout(set = 0, binding = 8, rgba32ui) readonly uniform uimage2D odd;
 
@@ -38,5 +39,6 @@ void main() {
         atomicAdd(report.clamped_pixels, 1u);
     }
     ivec2 at = pixel_of(pixel.index);
+    check_filled(pixel, at);
     imageStore(color, at, over_opaque(front, imageLoad(color, at)));
 }

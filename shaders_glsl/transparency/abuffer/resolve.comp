@@ -12,6 +12,7 @@
 layout(local_size_x = 64) in;
 
 layout(set = 0, binding = 5, rgba32f) uniform image2D color; // premultiplied
+#include "transparency/abuffer/filled.glsl"
 
 #define COMPOSITE(i) { \
     Layer layer = node_layer(slot_key[i], slot_payload[i]); \
@@ -37,5 +38,6 @@ void main() {
         atomicAdd(report.clamped_pixels, 1u);
     }
     ivec2 at = pixel_of(pixel.index);
+    check_filled(pixel, at);
     imageStore(color, at, over_opaque(front, imageLoad(color, at)));
 }

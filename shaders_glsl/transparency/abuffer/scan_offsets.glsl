@@ -15,9 +15,7 @@ layout(set = 0, binding = 2, scalar) readonly buffer Groups {
 #ifdef LISTS
 layout(set = 0, binding = 23, r32ui) readonly uniform uimage2D heads;
 #else
-layout(set = 0, binding = 23, scalar) writeonly buffer Cursors {
-    uint cursors[];
-};
+layout(set = 0, binding = 23, r32ui) writeonly uniform uimage2D cursors;
 #endif
 
 void main() {
@@ -45,7 +43,7 @@ void main() {
             work[to] = Pixel(pixel, imageLoad(heads, at).r, node, count);
 #else
             work[to] = Pixel(pixel, node, node, count);
-            cursors[pixel] = node;
+            imageStore(cursors, at, uvec4(node));
 #endif
         }
         place += uvec4(equal(uvec4(own), uvec4(0u, 1u, 2u, 3u))) * uint(count > 0u);

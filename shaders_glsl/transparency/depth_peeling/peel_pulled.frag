@@ -5,5 +5,5 @@
 #include "transparency/depth_peeling/peel.glsl"
 
 void main() {
-    peel(forward_color(), fragment_key());
+    peel(forward_layer(), fragment_key());
 }

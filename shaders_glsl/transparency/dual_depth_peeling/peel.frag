@@ -4,5 +4,5 @@
 #include "transparency/dual_depth_peeling/peel.glsl"
 
 void main() {
-    peel(forward_color(), fragment_key());
+    peel(forward_layer(), fragment_key());
 }

@@ -4,5 +4,5 @@
 #include "transparency/kbuffer/keep_colors.glsl"
 
 void main() {
-    keep_color(forward_color(), fragment_key());
+    keep_color(forward_layer(), fragment_key());
 }

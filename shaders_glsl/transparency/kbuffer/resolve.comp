@@ -20,15 +20,19 @@ void main() {
     if (any(greaterThanEqual(pixel, imageSize(color))) || imageLoad(kept_depths, ivec3(pixel, 0)).r == 0u) {
         return;
     }
-    vec4 front = vec4(0.0, 0.0, 0.0, 1.0);
+    Gathered front = NOTHING_GATHERED;
     for (uint place = 0u; place < KEPT; ++place) {
         bool there = imageLoad(kept_depths, ivec3(pixel, place)).r > 0u;
-        put_behind(front, there ? imageLoad(kept_colors, ivec3(pixel, place)) : vec4(0.0));
+        Layer layer = plain_layer(there ? imageLoad(kept_colors, ivec3(pixel, place)) : vec4(0.0));
+        if (TINTED && there) {
+            layer.through = imageLoad(kept_colors, ivec3(pixel, KEPT + place)).rgb;
+        }
+        put_behind(front, layer);
     }
     vec4 sum = texelFetch(sums, pixel, 0);
     float weight = texelFetch(weights, pixel, 0).r;
     if (weight > 0.0) {
-        put_behind(front, average_layer(sum.rgb, weight, sum.a));
+        put_behind(front, plain_layer(average_layer(sum.rgb, weight, sum.a)));
     }
     imageStore(color, pixel, over_opaque(front, imageLoad(color, pixel)));
 }

@@ -32,7 +32,9 @@ Part part_in(vec3 a, vec3 b, vec3 c, ivec3 voxel) {
     for (int axis = 0; axis < 3; ++axis) {
         planes |= (uint(most[axis] > 0.5) | uint(least[axis] < -0.5) << 1) << (2 * axis);
     }
-    vec2 corners[MOST_CORNERS];
+    // Before a plane and after it, in turns: to copy them takes a software driver as long as to clip.
+    vec2 corners[2 * MOST_CORNERS];
+    int from = 0;
     corners[0] = vec2(0.0);
     corners[1] = vec2(1.0, 0.0);
     corners[2] = vec2(0.0, 1.0);
@@ -45,24 +47,24 @@ Part part_in(vec3 a, vec3 b, vec3 c, ivec3 voxel) {
         // How far inside a corner with these weights is.
         float start = 0.5 - side * a[axis];
         vec2 slope = -side * vec2(b[axis] - a[axis], c[axis] - a[axis]);
-        vec2 kept[MOST_CORNERS];
-        int kept_count = 0;
-        vec2 here = corners[0];
+        int to = MOST_CORNERS - from;
+        int kept = 0;
+        vec2 here = corners[from];
         float inside = start + dot(slope, here);
         for (int i = 0; i < count; ++i) {
-            vec2 next = corners[i + 1 < count ? i + 1 : 0];
+            vec2 next = corners[from + (i + 1 < count ? i + 1 : 0)];
             float next_inside = start + dot(slope, next);
             if (inside >= 0.0) {
-                kept[min(kept_count++, MOST_CORNERS - 1)] = here;
+                corners[to + min(kept++, MOST_CORNERS - 1)] = here;
             }
             if ((inside >= 0.0) != (next_inside >= 0.0)) {
-                kept[min(kept_count++, MOST_CORNERS - 1)] = mix(here, next, inside / (inside - next_inside));
+                corners[to + min(kept++, MOST_CORNERS - 1)] = mix(here, next, inside / (inside - next_inside));
             }
             here = next;
             inside = next_inside;
         }
-        corners = kept;
-        count = min(kept_count, MOST_CORNERS);
+        from = to;
+        count = min(kept, MOST_CORNERS);
     }
     // A fan of triangles, each with its area and its middle.
     Part part = Part(0.0, vec3(0.0));
@@ -70,7 +72,7 @@ Part part_in(vec3 a, vec3 b, vec3 c, ivec3 voxel) {
     vec2 mean = vec2(0.0);
     vec2 last = vec2(0.0);
     for (int i = 0; i < count; ++i) {
-        vec2 corner = corners[i] - corners[0];
+        vec2 corner = corners[from + i] - corners[from];
         float share = abs(last.x * corner.y - last.y * corner.x);
         part.share += share;
         sum += share * (last + corner) / 3.0;
@@ -78,7 +80,7 @@ Part part_in(vec3 a, vec3 b, vec3 c, ivec3 voxel) {
         last = corner;
     }
     // What only touches has no area: its corners' middle, or where nothing is left the place nearest to the voxel.
-    vec2 middle = corners[0] + (part.share > 0.0 ? sum / part.share : mean);
+    vec2 middle = corners[from] + (part.share > 0.0 ? sum / part.share : mean);
     part.middle = count == 0 ? nearest(a, b, c) : vec3(1.0 - middle.x - middle.y, middle);
     return part;
 }

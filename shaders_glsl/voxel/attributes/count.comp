@@ -9,7 +9,7 @@ layout(set = 0, binding = 13, scalar) writeonly buffer Chunks {
 };
 
 void main() {
-    uint chunk = gl_GlobalInvocationID.x;
+    uint chunk = chunk_of_invocation();
     if (chunk * CHUNK >= words) {
         return;
     }

@@ -12,7 +12,7 @@ layout(set = 0, binding = 7, scalar) writeonly buffer Firsts {
 };
 
 void main() {
-    uint chunk = gl_GlobalInvocationID.x;
+    uint chunk = chunk_of_invocation();
     if (chunk * CHUNK >= words) {
         return;
     }

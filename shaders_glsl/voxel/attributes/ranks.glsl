@@ -10,3 +10,8 @@ layout(push_constant, scalar) uniform RanksPush {
 layout(set = 0, binding = 2, scalar) readonly buffer Bits {
     uint bits[];
 };
+
+// Dispatches may have rows, as one with an invocation a brick has.
+uint chunk_of_invocation() {
+    return gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x + gl_GlobalInvocationID.x;
+}

@@ -1,25 +1,23 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
-#include "common/voxel_row.glsl"
+#define PAIR_ACCESS readonly
+#include "common/triangle_voxels.glsl"
 #include "common/pulled_vertices.glsl"
 #include "common/materials.glsl"
 #include "voxel/attributes/sums.glsl"
 #include "voxel/attributes/clip.glsl"
+#include "voxel/attributes/pair_lists.glsl"
 
-// Adds what a triangle is like to the sums of each voxel that it touches, by the area of its part there.
-
-layout(location = 3) flat in uvec4 vertices; // of the triangle; its instance
+// A pair of triangle and voxel a pixel: adds what the triangle is like to the voxel's sums, by the area of its part there.
+// A driver that runs pixels in vectors, one for each triangle and row of voxels, would leave most lanes of them idle.
 
 layout(constant_id = 1) const bool EMITS = true; // anything in the scene
 
 layout(push_constant, scalar) uniform AttributesPush {
     uint is_opaque; // alpha does not count
-};
-layout(set = 0, binding = 2, scalar) readonly buffer Bits {
-    uint bits[];
-};
-layout(set = 0, binding = 7, scalar) readonly buffer Firsts {
-    uint firsts[];
+    uint first; // pair
+    uint count; // of pairs
+    uint width; // pixels side by side
 };
 layout(set = 0, binding = 8, scalar) buffer WeightSums {
     uint weight_sums[]; // weight, weight · alpha
@@ -68,7 +66,7 @@ vec4 sampled(sampler2D image, vec3 place) {
 }
 
 // `share`: of the triangle's area in the part.
-Attributes attributes_at(vec3 middle, float share) {
+Attributes attributes_at(Instance instance, uvec3 vertices, vec3 middle, float share) {
     AlphaVertex a = alpha_vertices[vertices.x];
     AlphaVertex b = alpha_vertices[vertices.y];
     AlphaVertex c = alpha_vertices[vertices.z];
@@ -80,7 +78,6 @@ Attributes attributes_at(vec3 middle, float share) {
     found.albedo = base.rgb;
     found.alpha = is_opaque != 0u ? 1.0 : base.a;
 
-    Instance instance = instances[vertices.w];
     uint corners[3] = uint[](vertices.x, vertices.y, vertices.z);
     vec3 normal = vec3(0.0);
     vec3 tangent = vec3(0.0);
@@ -135,26 +132,16 @@ void add(uint place, float area, Attributes found) {
 }
 
 void main() {
-    Row row = fragment_row();
-    float whole = 0.5 * length(row.triangle.normal);
-    for (int first = row.part.x; first <= row.part.y; first += 32) {
-        // 1. Which voxels of the row count: what follows is too much to be done for the others.
-        uint found = 0u;
-        for (int k = first; k <= min(first + 31, row.part.y); ++k) {
-            ivec3 voxel = row.voxel;
-            voxel[row.axis] = k;
-            uint set = bits[word_index(uvec2(voxel.xy), uint(voxel.z) / 32u)] >> (uint(voxel.z) % 32u) & 1u;
-            found |= (set & uint(makes_up(row.triangle, voxel))) << (k - first);
-        }
-        // 2. What the triangle adds to each.
-        while (found != 0u) {
-            ivec3 voxel = row.voxel;
-            voxel[row.axis] = first + findLSB(found);
-            found &= found - 1u;
-            Part part = part_in(corner_a, corner_b, corner_c, voxel);
-            uint word = word_index(uvec2(voxel.xy), uint(voxel.z) / 32u);
-            uint below = bits[word] & ((1u << (uint(voxel.z) % 32u)) - 1u);
-            add(firsts[word] + bitCount(below), part.share * whole, attributes_at(part.middle, part.share));
-        }
+    uint pair = uint(gl_FragCoord.y) * width + uint(gl_FragCoord.x);
+    if (pair >= count) {
+        return;
     }
+    uvec2 whose = pair_triangles[first + pair];
+    uvec2 code = pair_voxels[first + pair];
+    Instance instance = instances[whose.y];
+    vec3 corners[3] = corners_at(instance, whose.x);
+    ivec3 own = ivec3(indices[whose.x], indices[whose.x + 1u], indices[whose.x + 2u]) + instance.vertex_offset;
+    float whole = 0.5 * length(triangle_of(corners).normal);
+    Part part = part_in(corners[0], corners[1], corners[2], ivec3(voxel_of(code)));
+    add(rank_of(code), part.share * whole, attributes_at(instance, uvec3(own), part.middle, part.share));
 }

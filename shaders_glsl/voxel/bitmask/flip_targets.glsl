@@ -1,8 +1,8 @@
-// The column mask behind the surface, for an XOR logic operation into TARGETS attachments of 128 voxels each.
+// The column mask behind the surface, for an XOR logic operation into TARGETS attachments of 128 voxels each. Of surfaces:
+// the bit of the voxel that holds it, for OR.
 #extension GL_EXT_scalar_block_layout : require
 #include "common/voxels.glsl"
-
-layout(location = 0) in float depth;
+#include "voxel/bitmask/marked.glsl"
 
 layout(location = 0) out uvec4 words_0;
 #if TARGETS > 1
@@ -19,29 +19,29 @@ layout(location = 6) out uvec4 words_6;
 layout(location = 7) out uvec4 words_7;
 #endif
 
-uvec4 words_from(int first, uint word) {
+uvec4 words_from(int voxel, uint word) {
     return uvec4(
-        bits_from(first, word),
-        bits_from(first, word + 1u),
-        bits_from(first, word + 2u),
-        bits_from(first, word + 3u)
+        marked_bits(voxel, word),
+        marked_bits(voxel, word + 1u),
+        marked_bits(voxel, word + 2u),
+        marked_bits(voxel, word + 3u)
     );
 }
 
 void main() {
-    int first = first_voxel_behind(depth);
-    words_0 = words_from(first, 0u);
+    int voxel = marked_voxel();
+    words_0 = words_from(voxel, 0u);
 #if TARGETS > 1
-    words_1 = words_from(first, 4u);
+    words_1 = words_from(voxel, 4u);
 #endif
 #if TARGETS > 2
-    words_2 = words_from(first, 8u);
-    words_3 = words_from(first, 12u);
+    words_2 = words_from(voxel, 8u);
+    words_3 = words_from(voxel, 12u);
 #endif
 #if TARGETS > 4
-    words_4 = words_from(first, 16u);
-    words_5 = words_from(first, 20u);
-    words_6 = words_from(first, 24u);
-    words_7 = words_from(first, 28u);
+    words_4 = words_from(voxel, 16u);
+    words_5 = words_from(voxel, 20u);
+    words_6 = words_from(voxel, 24u);
+    words_7 = words_from(voxel, 28u);
 #endif
 }

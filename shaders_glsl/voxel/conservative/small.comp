@@ -1,2 +1,3 @@
 #version 460
 #include "common/surface_voxels_small.glsl"
+#include "common/surface_bits.glsl"

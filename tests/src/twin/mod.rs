@@ -9,6 +9,7 @@ pub mod brdf;
 pub mod bvh;
 pub mod camera;
 pub mod cascades;
+pub mod frustum;
 pub mod layers;
 pub mod lighting;
 pub mod scene;

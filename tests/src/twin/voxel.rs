@@ -14,11 +14,18 @@ use shadowgraph::techniques::voxel::Grid;
 /// they face as they did before.
 pub fn in_grid(scene: &Scene, grid: &Grid) -> Vec<[DVec3; 3]> {
     let (min, edge) = (grid.min().as_dvec3(), f64::from(grid.edge()));
+    let mut triangles = world_triangles(scene);
+    triangles.iter_mut().flatten().for_each(|corner| *corner = (*corner - min) / edge);
+    triangles
+}
+
+/// The same in world space, metres.
+pub fn world_triangles(scene: &Scene) -> Vec<[DVec3; 3]> {
     let mut triangles = Vec::new();
     for object in &scene.objects {
         let world = object.world_from_object.as_dmat4();
         for primitive in &scene.meshes[object.mesh].primitives {
-            let corner = |&i: &u32| (world.transform_point3(primitive.positions[i as usize].as_dvec3()) - min) / edge;
+            let corner = |&i: &u32| world.transform_point3(primitive.positions[i as usize].as_dvec3());
             let mirrored = world.determinant() < 0.0;
             let turned = |&[a, b, c]: &[u32; 3]| if mirrored { [b, a, c] } else { [a, b, c] };
             triangles

@@ -5,12 +5,13 @@ use std::path::Path;
 use std::thread;
 use std::time::Instant;
 
+use serde::Serialize;
 use shadowgraph::capture::{
     CapturedFrame, ExrOptions, FrameCapture, PngOptions, auto_exposure, picture, write_deep_exr, write_exr, write_png,
 };
-use shadowgraph::frame::Selection;
+use shadowgraph::frame::{Frame, Selection};
 use shadowgraph::gpu::Gpu;
-use shadowgraph::graph::{Executor, Graph};
+use shadowgraph::graph::{Executed, Executor, Graph};
 use shadowgraph::scene::{Camera, GpuScene};
 
 use crate::cli::CaptureArguments;
@@ -89,15 +90,13 @@ fn render_and_write(
     for warning in &frame.warnings {
         log::warn!("{}: {warning}", arguments.frame.scene);
     }
-    // 2. Write it.
-    let mut told = Vec::new();
-    if let Some(path) = &arguments.png {
-        let pixels = phases.time("read-back", || picture(&frame, &executed))?;
-        phases.time("writing", || {
-            let options = PngOptions { exposure: auto_exposure(&pixels), ..PngOptions::default() };
-            write_png(path, arguments.frame.size.0, &pixels, &options)
-        })?;
-    }
+    // 2. Write the PNG, and meanwhile the rest.
+    let size = arguments.frame.size.0;
+    let pixels = match &arguments.png {
+        Some(_) => phases.time("read-back", || picture(&frame, &executed))?,
+        None => Vec::new(),
+    };
+    frame.layers.retain(|layer| wanted.layers.wants(&layer.name));
     let recipe = Recipe::new(&arguments.frame, camera, &wanted);
     let description = FrameCapture {
         scene,
@@ -109,9 +108,35 @@ fn render_and_write(
         exposure: 1.0,
         reproducible: arguments.reproducible,
     };
+    let (mut told, png) = thread::scope(|scope| {
+        let png = arguments.png.as_ref().map(|path| scope.spawn(|| write_picture(path, size, &pixels)));
+        let told = write_layers(arguments, &description, &frame, &executed, phases);
+        let png = png.map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+        (told, png.transpose())
+    });
+    png?;
+    if let (Some(path), Ok(told)) = (&arguments.png, &mut told) {
+        told.push(format!("wrote {}", path.display()));
+    }
+    told
+}
+
+fn write_picture(path: &Path, size: [u32; 2], pixels: &[[f32; 4]]) -> Result<()> {
+    let options = PngOptions { exposure: auto_exposure(pixels), ..PngOptions::default() };
+    Ok(write_png(path, size, pixels, &options)?)
+}
+
+/// Everything but the PNG. Gives what there is to tell the user.
+fn write_layers<S: Serialize + Sync>(
+    arguments: &CaptureArguments,
+    description: &FrameCapture<S>,
+    frame: &Frame,
+    executed: &Executed,
+    phases: &mut Phases,
+) -> Result<Vec<String>> {
+    let mut told = Vec::new();
     if let Some(path) = &arguments.output {
-        frame.layers.retain(|layer| wanted.layers.wants(&layer.name));
-        let captured = phases.time("read-back", || description.collect(&frame, &executed))?;
+        let captured = phases.time("read-back", || description.collect(frame, executed))?;
         phases.time("writing", || {
             write_exr(path, &captured.capture, &ExrOptions { compression: arguments.compression })
         })?;
@@ -119,13 +144,12 @@ fn render_and_write(
         told.push(summary(path, &captured)?);
     }
     if let Some(path) = &arguments.deep {
-        let deep = phases.time("read-back", || description.collect_deep(&frame, &executed))?;
+        let deep = phases.time("read-back", || description.collect_deep(frame, executed))?;
         phases.time("writing", || write_deep_exr(path, &deep))?;
         told.push(format!("wrote {}: {} samples", path.display(), deep.samples.len()));
     }
-    told.extend(arguments.png.iter().map(|path| format!("wrote {}", path.display())));
     if let Some(path) = arguments.output.as_ref().or(arguments.png.as_ref()).or(arguments.deep.as_ref()) {
-        told.extend(phases.time("writing", || debug::write(&arguments.debug, &executed, path))?);
+        told.extend(phases.time("writing", || debug::write(&arguments.debug, executed, path))?);
     }
     Ok(told)
 }

@@ -13,7 +13,7 @@ use shadowgraph::scene::GpuScene;
 
 use crate::cli::{GraphArguments, GraphFormat};
 use crate::failure::{Failure, Result};
-use crate::output::print;
+use crate::output::{check_folder, print};
 use crate::session;
 use crate::view;
 
@@ -22,6 +22,7 @@ pub fn run(arguments: &GraphArguments) -> Result<()> {
     if arguments.times && matches!(arguments.format, GraphFormat::Dot | GraphFormat::Text) {
         return Err(Failure::input("--times: these forms have no times; use it with --format html or json"));
     }
+    arguments.output.as_ref().map_or(Ok(()), |path| check_folder("--output", path))?;
     let scene = session::load(&arguments.frame)?;
     let camera = view::camera(&arguments.frame, &scene)?;
     let gpu = session::open(&arguments.frame.device)?;

@@ -21,6 +21,11 @@ pub fn check_name(option: &str, path: &Path, ends: &[&str]) -> Result<()> {
         let ends = ends.join(", ");
         return Err(Failure::input(format!("{option} {}: the name must end in {ends}", path.display())));
     }
+    check_folder(option, path)
+}
+
+/// Refuses, before any work is done, a file in a folder that is not there.
+pub fn check_folder(option: &str, path: &Path) -> Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.is_dir() {
         return Err(Failure::input(format!("{option} {}: there is no such folder", path.display())));

@@ -1,6 +1,7 @@
 //! What commands share: a device, a scene on it, and a frame.
 
 use serde::Serialize;
+use shadowgraph::Error;
 use shadowgraph::frame::{ABUFFER_REPORT, Frame, FrameSettings, Selection, VoxelVisibility};
 use shadowgraph::gpu::{Gpu, GpuOptions, Messages, Severity, Validation};
 use shadowgraph::graph::{Executed, Executor, Graph};
@@ -24,7 +25,10 @@ pub fn open(arguments: &DeviceArguments) -> Result<Gpu> {
         pipeline_cache: cache::pipelines(),
         ..GpuOptions::default()
     };
-    Ok(Gpu::headless(options)?)
+    Gpu::headless(options).map_err(|error| match (&error, &arguments.device) {
+        (Error::NoDevice { .. }, Some(_)) => Failure::input(error),
+        _ => error.into(),
+    })
 }
 
 /// Frees the device. Leaks are failures, and so are validation messages, those of freeing included.
@@ -124,8 +128,11 @@ pub fn render(
     let mut graph = Graph::new("frame", gpu.caps());
     let frame = record(settings, &mut graph, scene)?;
     change(&mut graph)?;
-    let plan = graph.compile(gpu).map_err(shadowgraph::Error::from)?;
-    let executed = executor.execute(&plan, graph)?;
+    let plan = graph.compile(gpu).map_err(Error::from)?;
+    let executed = executor.execute(&plan, graph).map_err(|error| match error {
+        Error::OutOfMemory { .. } => Failure::failed(format!("{error}; fewer --layers or a smaller --size need less")),
+        other => other.into(),
+    })?;
     check_layers(&executed)?;
     Ok((frame, executed))
 }

@@ -31,7 +31,7 @@ pub fn camera(arguments: &FrameArguments, scene: &Scene) -> Result<Camera> {
 }
 
 /// A camera by name, or by index where none has this name.
-fn named(wanted: &str, cameras: &[Camera]) -> Result<Camera> {
+pub fn named(wanted: &str, cameras: &[Camera]) -> Result<Camera> {
     let by_name = cameras.iter().find(|camera| camera.name == wanted);
     let by_index = || wanted.parse::<usize>().ok().and_then(|index| cameras.get(index));
     by_name.or_else(by_index).cloned().ok_or_else(|| {

@@ -88,6 +88,7 @@ fn bad_input_is_refused_without_a_device() {
     is_refused(&["capture", "builtin:cornell", "-o", "o.png", nowhere], "must end in .exr");
     is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--png", "o.jpg", nowhere], "must end in .png");
     is_refused(&["capture", "builtin:cornell", "-o", "missing/o.exr", nowhere], "no such folder");
+    is_refused(&["graph", "builtin:cornell", "-o", "missing/o.json", nowhere], "no such folder");
     is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--camera", "nobody", nowhere], "0 (front)");
     is_refused(&["capture", "builtin:cornell", "-o", "o.exr", "--eye=1,2,3", "--target=1,2,3", nowhere], "same point");
     let folder = tempfile::tempdir().unwrap();
@@ -98,10 +99,10 @@ fn bad_input_is_refused_without_a_device() {
 }
 
 #[test]
-fn a_missing_device_is_a_failure() {
+fn a_device_that_is_not_there_is_bad_usage() {
     let folder = tempfile::tempdir().unwrap();
     let output = run(&folder, &["info", "--device", "there is no device of this name"]);
-    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("there is no device of this name"), "{}", stderr(&output));
 }
 
@@ -434,7 +435,7 @@ fn voxels_are_written_with_what_they_mean() {
     assert!(stdout(&output).contains("8×4×2") && stderr(&output).contains("is not closed"), "{output:?}");
 
     // The name says the format.
-    for name in ["part.packed.npy", "part.binvox", "part.vox", "part.exr", "part.glb", "part.png"] {
+    for name in ["part.packed.npy", "part.sparse.npy", "part.binvox", "part.vox", "part.exr", "part.glb", "part.png"] {
         succeeds(&folder, &["voxelize", "builtin:cornell", "--resolution", "16", "-o", name]);
         assert!(fs::metadata(folder.path().join(name)).unwrap().len() > 0);
     }
@@ -442,7 +443,7 @@ fn voxels_are_written_with_what_they_mean() {
     succeeds(&folder, &shown);
 
     // Colours of surfaces, and a vote where they have holes.
-    for name in ["colors.vox", "colors.exr"] {
+    for name in ["colors.vox", "colors.exr", "colors.sparse.npy"] {
         let surface = ["voxelize", "builtin:cornell", "--method", "conservative", "--resolution", "16"];
         succeeds(&folder, &[&surface[..], &["--attributes", "-o", name]].concat());
     }
@@ -453,7 +454,7 @@ fn voxels_are_written_with_what_they_mean() {
     assert!(leaks.len() == 3 && leaks.iter().any(|count| count.as_u64() > Some(0)) && told["axis"] == "vote", "{told}");
     assert!(stderr(&output).contains("vote of three axes"));
     let refused = |more: &[&'static str], why| is_refused(&[&["voxelize", "builtin:cornell"], more].concat(), why);
-    refused(&["--attributes", "-o", "o.npy"], ".vox and .exr");
+    refused(&["--attributes", "-o", "o.npy"], ".vox, .exr and .sparse.npy");
     refused(&["--vote", "--method", "conservative", "-o", "o.npy"], "bitmask, stencil and winding");
     refused(&["--vote", "--axis", "x", "-o", "o.npy"], "cannot be used with");
 
@@ -461,8 +462,25 @@ fn voxels_are_written_with_what_they_mean() {
     let fine = ["voxelize", "builtin:cornell", "--method", "six-separating", "--resolution", "1100,40,30"];
     let place = ["--min", "-1,0,-1", "--edge", "2", "-o", "fine.vox"];
     assert!(stdout(&succeeds(&folder, &[&fine[..], &place].concat())).contains("1100×40×30"));
+    let colors = [&fine[..], &["--min", "-1,0,-1", "--edge", "2", "--attributes", "-o", "fine.sparse.npy"]].concat();
+    succeeds(&folder, &colors);
+    refused(&["--method", "conservative", "--resolution", "1024", "--attributes", "-o", "o.exr"], ".sparse.npy");
     refused(&["--resolution", "2048", "-o", "o.vox"], "for surfaces");
     refused(&["--resolution", "2048", "--method", "conservative", "-o", "o.npy"], ".packed.npy");
+
+    // What a camera sees.
+    let seen = ["voxelize", "builtin:cornell", "--camera", "front", "--resolution", "40,30,20", "--json"];
+    for fill in ["--solid", "--surface"] {
+        let output = succeeds(&folder, &[&seen[..], &[fill, "-o", "seen.npy"]].concat());
+        let told: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+        assert_eq!((&told["camera"], &told["resolution"]), (&"front".into(), &serde_json::json!([40, 30, 20])));
+        assert!(told["near"].as_f64() < told["far"].as_f64() && told["set"].as_u64() > Some(0), "{told}");
+    }
+    refused(&["--camera", "nobody", "-o", "o.npy"], "0 (front)");
+    refused(&["--camera", "front", "-o", "o.vox"], "no cubes");
+    refused(&["--camera", "front", "--method", "winding", "-o", "o.npy"], "--method bitmask");
+    refused(&["--surface", "--method", "winding", "-o", "o.npy"], "--method bitmask, conservative");
+    refused(&["--solid", "--method", "conservative", "-o", "o.npy"], "bitmask, stencil and winding");
 
     // Surfaces need not be closed.
     let surface = ["voxelize", "builtin:cornell", "--method", "conservative", "--resolution", "16", "-o", "walls.npy"];
@@ -485,6 +503,6 @@ fn voxels_are_written_with_what_they_mean() {
     is_refused(&voxelize(&["--resolution", "8,4,2"]), "--min and --edge");
     is_refused(&voxelize(&["--min", "0,0,0"]), "--edge");
     is_refused(&voxelize(&["--min", "0,0,0", "--edge", "-1"]), "greater than 0");
-    is_refused(&["voxelize", "builtin:cornell", "-o", "o.obj"], ".npy, .packed.npy, .binvox");
+    is_refused(&["voxelize", "builtin:cornell", "-o", "o.obj"], ".npy, .packed.npy, .sparse.npy");
     is_refused(&["voxelize", "builtin:cornell", "-o", "no/o.npy"], "no such folder");
 }

@@ -94,7 +94,7 @@ macro_rules! features {
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
         #[non_exhaustive]
         pub enum Feature {
-            $($(#[$doc])* #[doc = concat!("\n\n`", $vulkan, "`.")] $name,)*
+            $($(#[$doc])* #[doc = concat!("\n\n`", $vulkan, "`.")] #[serde(rename = $vulkan)] $name,)*
         }
 
         impl Feature {
@@ -224,6 +224,8 @@ features! {
     StencilExport = "VK_EXT_shader_stencil_export",
     /// Fragments of a pixel one after the other, in primitive order.
     FragmentShaderInterlock = "VK_EXT_fragment_shader_interlock",
+    /// A fragment shader reads the colour attachment that it writes, in primitive order.
+    OrderedAttachments = "VK_EXT_rasterization_order_attachment_access",
     /// Fragments for every pixel that a triangle touches.
     ConservativeRasterization = "VK_EXT_conservative_rasterization",
     /// `gl_SampleMaskIn` after an early depth test.

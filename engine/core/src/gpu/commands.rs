@@ -35,6 +35,10 @@ impl Commands {
         &self.device.raw
     }
 
+    pub(super) fn owner(&self) -> &Device {
+        &self.device
+    }
+
     /// Begins a pass: a debug label, and the breadcrumb that names it should the device be lost. Outside of
     /// rendering only (it records a small fill).
     pub fn begin_pass(&mut self, name: &str) {

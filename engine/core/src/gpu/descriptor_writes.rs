@@ -71,7 +71,7 @@ impl Writes {
                 self.buffers.push(vk::DescriptorBufferInfo { buffer: buffer.raw(), offset: *offset, range: *size });
                 self.buffers.len() - 1
             }
-            (K::SampledImage | K::StorageImage, Descriptor::Image { image: i, view, layout }) => {
+            (K::SampledImage | K::StorageImage | K::InputAttachment, Descriptor::Image { image: i, view, layout }) => {
                 self.images.push(image(i, view, *layout, vk::Sampler::null())?);
                 self.images.len() - 1
             }
@@ -116,10 +116,10 @@ fn check_image(binding: &Binding, image: &Image, view: &ViewInfo) -> Result<()> 
     let Some(wanted) = binding.image else { return Ok(()) };
     let info = image.info();
     let format = if view.format == vk::Format::UNDEFINED { info.format } else { view.format };
-    let usage = if binding.kind == BindingKind::StorageImage {
-        vk::ImageUsageFlags::STORAGE
-    } else {
-        vk::ImageUsageFlags::SAMPLED
+    let usage = match binding.kind {
+        BindingKind::StorageImage => vk::ImageUsageFlags::STORAGE,
+        BindingKind::InputAttachment => vk::ImageUsageFlags::INPUT_ATTACHMENT,
+        _ => vk::ImageUsageFlags::SAMPLED,
     };
     let why = if view.kind != wanted.view {
         format!("it is viewed as {:?}, the shader takes {:?}", view.kind, wanted.view)

@@ -71,6 +71,7 @@ pub(super) enum Garbage {
     Pipeline(vk::Pipeline, vk::PipelineLayout),
     DescriptorPools(Vec<vk::DescriptorPool>),
     QueryPool(vk::QueryPool),
+    RenderPass(vk::RenderPass, vk::Framebuffer),
     Kept(Vec<Box<dyn Any + Send>>),
 }
 
@@ -255,6 +256,10 @@ impl Device {
                     pools.into_iter().for_each(|p| self.raw.destroy_descriptor_pool(p, None));
                 }
                 Garbage::QueryPool(pool) => self.raw.destroy_query_pool(pool, None),
+                Garbage::RenderPass(pass, framebuffer) => {
+                    self.raw.destroy_framebuffer(framebuffer, None);
+                    self.raw.destroy_render_pass(pass, None);
+                }
                 Garbage::Kept(objects) => drop(objects),
             }
         }

@@ -16,6 +16,7 @@ pub(super) struct Features {
     v13: vk::PhysicalDeviceVulkan13Features<'static>,
     atomic_float: vk::PhysicalDeviceShaderAtomicFloatFeaturesEXT<'static>,
     interlock: vk::PhysicalDeviceFragmentShaderInterlockFeaturesEXT<'static>,
+    ordered: vk::PhysicalDeviceRasterizationOrderAttachmentAccessFeaturesEXT<'static>,
     depth_clip: vk::PhysicalDeviceDepthClipEnableFeaturesEXT<'static>,
     portability: vk::PhysicalDevicePortabilitySubsetFeaturesKHR<'static>,
 }
@@ -110,6 +111,7 @@ const OPTIONAL: &[(Feature, Option<&CStr>, Field)] = &[
     (Feature::VulkanMemoryModel, None, |f| &mut f.v12.vulkan_memory_model),
     (Feature::VulkanMemoryModelDeviceScope, None, |f| &mut f.v12.vulkan_memory_model_device_scope),
     (Feature::FragmentShaderInterlock, Some(ash::ext::fragment_shader_interlock::NAME), |f| &mut f.interlock.fragment_shader_pixel_interlock),
+    (Feature::OrderedAttachments, Some(ash::ext::rasterization_order_attachment_access::NAME), |f| &mut f.ordered.rasterization_order_color_attachment_access),
     (Feature::DepthClipEnable, Some(ash::ext::depth_clip_enable::NAME), |f| &mut f.depth_clip.depth_clip_enable),
     (Feature::TriangleFans, Some(ash::khr::portability_subset::NAME), |f| &mut f.portability.triangle_fans),
     (Feature::ImageView2DOn3D, Some(ash::khr::portability_subset::NAME), |f| &mut f.portability.image_view2_d_on3_d_image),
@@ -199,6 +201,9 @@ impl Features {
         }
         if has(ash::ext::fragment_shader_interlock::NAME) {
             chain = chain.push_next(&mut self.interlock);
+        }
+        if has(ash::ext::rasterization_order_attachment_access::NAME) {
+            chain = chain.push_next(&mut self.ordered);
         }
         if has(ash::ext::depth_clip_enable::NAME) {
             chain = chain.push_next(&mut self.depth_clip);

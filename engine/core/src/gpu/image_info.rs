@@ -223,6 +223,7 @@ impl super::Gpu {
             (Feature::SAMPLED_IMAGE, Usage::SAMPLED),
             (Feature::STORAGE_IMAGE, Usage::STORAGE),
             (Feature::COLOR_ATTACHMENT, Usage::COLOR_ATTACHMENT),
+            (Feature::COLOR_ATTACHMENT, Usage::INPUT_ATTACHMENT),
             (Feature::DEPTH_STENCIL_ATTACHMENT, Usage::DEPTH_STENCIL_ATTACHMENT),
             (Feature::TRANSFER_SRC, Usage::TRANSFER_SRC),
             (Feature::TRANSFER_DST, Usage::TRANSFER_DST),

@@ -15,10 +15,13 @@ use crate::{Error, Result};
 pub(super) type LayoutKey = Vec<(u32, vk::DescriptorType, u32)>;
 
 /// Every stage may see every set: so a set's layout does not depend on which stage of which pipeline reads it, and
-/// pipelines that agree about a set's bindings can share it.
-pub(super) const SET_STAGES: vk::ShaderStageFlags = vk::ShaderStageFlags::from_raw(
-    vk::ShaderStageFlags::ALL_GRAPHICS.as_raw() | vk::ShaderStageFlags::COMPUTE.as_raw(),
-);
+/// pipelines that agree about a set's bindings can share it. Input attachments are for fragments alone.
+fn set_stages(kind: vk::DescriptorType) -> vk::ShaderStageFlags {
+    match kind {
+        vk::DescriptorType::INPUT_ATTACHMENT => vk::ShaderStageFlags::FRAGMENT,
+        _ => vk::ShaderStageFlags::ALL_GRAPHICS | vk::ShaderStageFlags::COMPUTE,
+    }
+}
 
 pub(super) fn stage_flag(stage: Stage) -> vk::ShaderStageFlags {
     match stage {
@@ -37,6 +40,7 @@ pub(super) fn descriptor_type(kind: BindingKind) -> vk::DescriptorType {
         BindingKind::SampledImage => vk::DescriptorType::SAMPLED_IMAGE,
         BindingKind::Sampler => vk::DescriptorType::SAMPLER,
         BindingKind::StorageImage => vk::DescriptorType::STORAGE_IMAGE,
+        BindingKind::InputAttachment => vk::DescriptorType::INPUT_ATTACHMENT,
     }
 }
 
@@ -129,7 +133,7 @@ pub(super) fn set_layout(device: &Device, set: u32, bindings: &[PipelineBinding]
                         .binding(binding)
                         .descriptor_type(kind)
                         .descriptor_count(count)
-                        .stage_flags(SET_STAGES)
+                        .stage_flags(set_stages(kind))
                 })
                 .collect();
             let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&entries);

@@ -35,6 +35,7 @@ mod pipeline_checks;
 mod pipeline_info;
 mod pipeline_state;
 mod query;
+mod render_pass;
 mod sampler;
 mod select;
 mod submit;
@@ -58,6 +59,7 @@ pub use pipeline_info::{
     ColorTarget, DepthState, GraphicsPipelineInfo, StencilState, VertexAttribute, VertexBuffer, blend, stencil,
 };
 pub use query::{QueryKind, QueryPool};
+pub(crate) use render_pass::Target;
 pub use sampler::{Sampler, SamplerInfo};
 pub use upload::Uploader;
 

@@ -92,6 +92,7 @@ pub(super) fn check_state(device: &Device, info: &GraphicsPipelineInfo) -> Resul
         (info.depth_clamp, Feature::DepthClamp),
         (info.logic_op.is_some(), Feature::LogicOp),
         (fan, Feature::TriangleFans),
+        (info.is_ordered(), Feature::OrderedAttachments),
         (writes(info.vertex) || info.geometry.is_some_and(writes), Feature::VertexStores),
     ];
     let mut missing: Vec<String> =
@@ -138,6 +139,9 @@ pub(super) fn check_outputs(info: &GraphicsPipelineInfo) -> Result<()> {
         if written && !outputs.iter().any(|o| o.location as usize == location) {
             problems.push(format!("{file} does not write attachment {location}; mask it out with blend::none()"));
         }
+    }
+    if info.is_ordered() && (info.color.len() != 1 || info.samples != 1 || info.view_mask != 0) {
+        problems.push(format!("{file} reads its attachment in order: one of one sample, without multiview, can be"));
     }
     if problems.is_empty() {
         return Ok(());

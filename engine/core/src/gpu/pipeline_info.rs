@@ -3,7 +3,7 @@
 use ash::vk;
 
 use super::{Constant, SetLayout};
-use crate::shader::Shader;
+use crate::shader::{BindingKind, Shader};
 
 /// A graphics pipeline. Dynamic are viewport and scissor (one each), cull mode, front face, the values of the depth
 /// bias (needed where `depth_bias` is set), and the stencil reference (needed where `stencil` is given).
@@ -65,6 +65,14 @@ impl<'a> GraphicsPipelineInfo<'a> {
             constants: &[],
             set_layouts: &[],
         }
+    }
+}
+
+impl GraphicsPipelineInfo<'_> {
+    /// Whether fragments read the colour attachment that they write, in primitive order.
+    pub(super) fn is_ordered(&self) -> bool {
+        let reads = |shader: &Shader| shader.bindings.iter().any(|b| b.kind == BindingKind::InputAttachment);
+        self.fragment.is_some_and(reads)
     }
 }
 

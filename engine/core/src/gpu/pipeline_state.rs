@@ -4,6 +4,7 @@ use ash::vk;
 
 use super::GraphicsPipelineInfo;
 use super::device::Device;
+use super::render_pass::{Target, ordered_pass};
 use crate::Result;
 
 /// Makes the pipeline of these stages.
@@ -62,6 +63,17 @@ pub(super) fn create_graphics(
         .depth_attachment_format(info.depth.map_or(vk::Format::UNDEFINED, |d| d.format))
         .stencil_attachment_format(info.stencil.map_or(vk::Format::UNDEFINED, |s| s.format));
 
+    // Ordered attachments ask for a render pass.
+    let ordered = info.is_ordered();
+    let pass = match (ordered, info.color.first()) {
+        (true, Some(color)) => {
+            blending =
+                blending.flags(vk::PipelineColorBlendStateCreateFlags::RASTERIZATION_ORDER_ATTACHMENT_ACCESS_EXT);
+            ordered_pass(device, Target::of(color.format), info.depth.map(|depth| Target::of(depth.format)))?
+        }
+        _ => vk::RenderPass::null(),
+    };
+
     // 4. The pipeline.
     let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&[
         vk::DynamicState::VIEWPORT,
@@ -71,7 +83,7 @@ pub(super) fn create_graphics(
         vk::DynamicState::DEPTH_BIAS,
         vk::DynamicState::STENCIL_REFERENCE,
     ]);
-    let create = vk::GraphicsPipelineCreateInfo::default()
+    let mut create = vk::GraphicsPipelineCreateInfo::default()
         .stages(stages)
         .vertex_input_state(&input)
         .input_assembly_state(&assembly)
@@ -82,8 +94,13 @@ pub(super) fn create_graphics(
         .color_blend_state(&blending)
         .dynamic_state(&dynamic)
         .layout(layout)
-        .push_next(&mut rendering);
+        .render_pass(pass);
+    if !ordered {
+        create = create.push_next(&mut rendering);
+    }
     // SAFETY: valid structures whose features were checked; what they point at lives to the end of this function.
     let made = unsafe { device.raw.create_graphics_pipelines(device.pipeline_cache.cache, &[create], None) };
+    // SAFETY: a pipeline does not keep its render pass.
+    unsafe { device.raw.destroy_render_pass(pass, None) };
     Ok(made.map_err(|e| device.error("vkCreateGraphicsPipelines", info.name, e.1))?[0])
 }

@@ -39,6 +39,15 @@ impl Access {
         Self::new(Stages::COLOR_ATTACHMENT_OUTPUT, mask, Layout::ATTACHMENT_OPTIMAL)
     }
 
+    /// A colour attachment that fragments read and write in primitive order.
+    pub const fn ordered_attachment() -> Self {
+        let stages = Stages::COLOR_ATTACHMENT_OUTPUT.as_raw() | Stages::FRAGMENT_SHADER.as_raw();
+        let mask = Mask::COLOR_ATTACHMENT_READ.as_raw()
+            | Mask::COLOR_ATTACHMENT_WRITE.as_raw()
+            | Mask::INPUT_ATTACHMENT_READ.as_raw();
+        Self::new(Stages::from_raw(stages), Mask::from_raw(mask), Layout::GENERAL)
+    }
+
     /// A depth or stencil attachment that is tested and written.
     pub const fn depth_attachment_write() -> Self {
         let mask = Mask::from_raw(

@@ -145,9 +145,24 @@ impl<'f> Graph<'f> {
         checkpoint: &Checkpoint<T>,
         value: impl FnOnce(&[T]) -> B + 'f,
     ) -> Data {
-        let data = self.data(&[B::zeroed()]);
+        self.data_slice_after(checkpoint, 1, move |values| vec![value(values)])
+    }
+
+    /// As [`Graph::data`], of `count` values that follow from what the checkpoint reads: of more, the first; what is missing
+    /// is zero. For passes recorded after it.
+    pub fn data_slice_after<T: bytemuck::Pod, B: bytemuck::Pod>(
+        &mut self,
+        checkpoint: &Checkpoint<T>,
+        count: usize,
+        values: impl FnOnce(&[T]) -> Vec<B> + 'f,
+    ) -> Data {
+        let data = self.data(&vec![B::zeroed(); count]);
         let told = checkpoint.clone();
-        let bytes = move || told.values().map(|values| bytemuck::bytes_of(&value(values)).to_vec());
+        let bytes = move || {
+            let mut values = values(told.values()?);
+            values.resize(count, B::zeroed());
+            Ok(bytemuck::cast_slice(&values).to_vec())
+        };
         self.after(checkpoint, What::Bytes(data, Box::new(bytes)));
         data
     }

@@ -30,6 +30,8 @@ pub enum BindingKind {
     Sampler,
     /// `image2D` and relatives.
     StorageImage,
+    /// `subpassInput`: a pass's colour attachment, read by its own fragments in primitive order.
+    InputAttachment,
 }
 
 /// What a shader may do to a binding: from its `readonly` and `writeonly` qualifiers.

@@ -7,6 +7,6 @@ mod slot;
 pub use binding::{Binding, BindingKind, ImageType, Input, Output, OutputScalar, Push, Shader, ShaderAccess, Stage};
 pub use program::{Pipelines, Program, Targets, Wanted};
 pub use slot::{
-    Access, Buffer, ColorSlot, ConstantSlot, Image, ImageSlot, Read, ReadSlot, ReadWrite, SampledSlot, SamplerSlot,
-    Slot, StorageSlot, UniformSlot, WithTail, Write, WriteSlot,
+    Access, Buffer, ColorSlot, ConstantSlot, Image, ImageSlot, InputSlot, Read, ReadSlot, ReadWrite, SampledSlot,
+    SamplerSlot, Slot, StorageSlot, UniformSlot, WithTail, Write, WriteSlot,
 };

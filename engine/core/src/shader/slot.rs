@@ -160,6 +160,10 @@ slot! {
     ImageSlot<A>
 }
 slot! {
+    /// Typed name of an input attachment: the pass's colour attachment as the pixel's earlier fragments left it.
+    InputSlot
+}
+slot! {
     /// Typed name of a sampler without an image.
     SamplerSlot
 }

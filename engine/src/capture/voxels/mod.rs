@@ -5,6 +5,7 @@ mod glb;
 mod magica;
 mod palette;
 mod slices;
+mod sparse;
 
 use std::path::Path;
 
@@ -21,6 +22,9 @@ pub enum VoxelFormat {
     /// NumPy array of `uint8`, eight voxels a byte along x, the first one the lowest bit, indexed `[z, y, x / 8]`:
     /// `numpy.unpackbits(array, axis=2, count=width, bitorder="little")` gives what [`VoxelFormat::Npy`] holds.
     PackedNpy,
+    /// NumPy array of records, one for each set voxel: `voxel`, its x, y and z as `uint16`; with attributes also `albedo`,
+    /// `opacity`, `normal`, `area` and `emission`, as `float32`. In the order of z, then y, then x.
+    SparseNpy,
     /// binvox (Min, *binvox: 3D mesh voxelizer*): runs of equal voxels.
     Binvox,
     /// MagicaVoxel's models of at most 256 voxels an axis, y up as z up: in one grey, or with attributes in the albedo of
@@ -38,13 +42,15 @@ pub enum VoxelFormat {
 
 impl VoxelFormat {
     /// All of them.
-    pub const ALL: [Self; 7] = [Self::Npy, Self::PackedNpy, Self::Binvox, Self::Vox, Self::Exr, Self::Glb, Self::Png];
+    pub const ALL: [Self; 8] =
+        [Self::Npy, Self::PackedNpy, Self::SparseNpy, Self::Binvox, Self::Vox, Self::Exr, Self::Glb, Self::Png];
 
     /// How names of such files end.
     pub fn end(self) -> &'static str {
         match self {
             Self::Npy => ".npy",
             Self::PackedNpy => ".packed.npy",
+            Self::SparseNpy => ".sparse.npy",
             Self::Binvox => ".binvox",
             Self::Vox => ".vox",
             Self::Exr => ".exr",
@@ -55,7 +61,31 @@ impl VoxelFormat {
 
     /// Whether it can hold attributes.
     pub fn holds_attributes(self) -> bool {
-        matches!(self, Self::Vox | Self::Exr)
+        matches!(self, Self::Vox | Self::Exr | Self::SparseNpy)
+    }
+
+    /// Whether so many voxels can be written, with attributes or without: some formats unfold the whole grid.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] that says what would do.
+    pub fn check(self, path: &Path, size: [u32; 3], with_attributes: bool) -> Result<()> {
+        if with_attributes && !self.holds_attributes() {
+            let why = format!("a {} file holds no attributes; .vox, .exr and .sparse.npy do", self.end());
+            return Err(Error::invalid(format!("{}", path.display()), why));
+        }
+        let each: u64 = match self {
+            Self::Npy => 1,
+            Self::Exr => 4 * (1 + if with_attributes { VALUES.len() as u64 } else { 0 }),
+            _ => 0,
+        };
+        let bytes = size.iter().fold(each, |bytes, &n| bytes.saturating_mul(n.into()));
+        if bytes > MOST_UNFOLDED {
+            let why = format!("{size:?} voxels take {} GiB in a {} file, which is too much", bytes >> 30, self.end());
+            let other = if with_attributes { ".sparse.npy" } else { ".sparse.npy, .packed.npy" };
+            let why = format!("{why}; {other} and .vox hold them in less");
+            return Err(Error::invalid(format!("{}", path.display()), why));
+        }
+        Ok(())
     }
 
     /// The format that the name of a file asks for, in any case of letters.
@@ -66,10 +96,14 @@ impl VoxelFormat {
     }
 }
 
+/// Most bytes of a grid that is written as a whole.
+const MOST_UNFOLDED: u64 = 4 << 30;
+
 /// Writes voxels. The file appears whole or not at all, and the same voxels give the same bytes.
 ///
 /// # Errors
-/// [`Error::Io`] where the file cannot be written; [`Error::Invalid`] where the format cannot hold so much.
+/// [`Error::Io`] where the file cannot be written; [`Error::Invalid`] where the format cannot hold so much, as
+/// [`VoxelFormat::check`] says of some.
 pub fn write_voxels(path: &Path, voxels: &Voxels, format: VoxelFormat) -> Result<()> {
     write(path, voxels, None, format)
 }
@@ -79,18 +113,16 @@ pub fn write_voxels(path: &Path, voxels: &Voxels, format: VoxelFormat) -> Result
 /// # Errors
 /// As [`write_voxels`]; [`Error::Invalid`] for other formats.
 pub fn write_voxel_attributes(path: &Path, attributes: &VoxelAttributes, format: VoxelFormat) -> Result<()> {
-    if !format.holds_attributes() {
-        let why = format!("a {} file holds no attributes; .vox and .exr do", format.end());
-        return Err(Error::invalid(format!("{}", path.display()), why));
-    }
     write(path, attributes.voxels(), Some(attributes), format)
 }
 
 fn write(path: &Path, voxels: &Voxels, attributes: Option<&VoxelAttributes>, format: VoxelFormat) -> Result<()> {
+    format.check(path, voxels.grid().size(), attributes.is_some())?;
     let [width, height, depth] = voxels.grid().size().map(|n| n as usize);
     match format {
         VoxelFormat::Npy => write_npy(path, &[depth, height, width], &voxels.bytes()),
         VoxelFormat::PackedNpy => write_npy(path, &[depth, height, width.div_ceil(8)], &packed(voxels)),
+        VoxelFormat::SparseNpy => sparse::write(path, voxels, attributes),
         VoxelFormat::Binvox => binvox::write(path, voxels),
         VoxelFormat::Vox => magica::write(path, voxels, attributes),
         VoxelFormat::Exr => write_exr(path, &parts(voxels, attributes), &ExrOptions { compression: Compression::Rle }),

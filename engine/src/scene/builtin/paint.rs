@@ -33,50 +33,59 @@ pub struct Painting {
     size: u32,
     /// Metres that the square covers.
     extent: Vec2,
-    texels: Vec<Texel>,
+    /// With coverage.
+    colors: Vec<[u8; 4]>,
+    heights: Vec<f32>,
+    /// Roughness, metallic.
+    finish: Vec<[u8; 2]>,
 }
 
 impl Painting {
     /// Evaluates `texel` at the middle of every texel, in 0 to 1 with v down.
     pub fn new(size: u32, extent: Vec2, texel: impl Fn(Vec2) -> Texel) -> Self {
+        let count = (size * size) as usize;
+        let (mut colors, mut heights, mut finish) = (vec![[0; 4]; count], vec![0.0; count], vec![[0; 2]; count]);
         let at = |i: u32| (i as f32 + 0.5) / size as f32;
-        let texels = (0..size * size).map(|i| texel(vec2(at(i % size), at(i / size)))).collect();
-        Self { size, extent, texels }
+        for i in 0..count {
+            let p = vec2(at(i as u32 % size), at(i as u32 / size));
+            let Texel { color, alpha, height, roughness, metallic } = texel(p);
+            colors[i] = [byte(color.x), byte(color.y), byte(color.z), byte(alpha)];
+            heights[i] = height;
+            finish[i] = [byte(roughness), byte(metallic)];
+        }
+        Self { size, extent, colors, heights, finish }
     }
 
     /// Base colour with coverage.
     pub fn base_color(&self, name: &str) -> Texture {
-        self.texture(name, |i| {
-            let Texel { color, alpha, .. } = self.texels[i];
-            [byte(color.x), byte(color.y), byte(color.z), byte(alpha)]
-        })
+        self.texture(name, |i| self.colors[i])
     }
 
     /// Roughness in G, metallic in B.
     pub fn metallic_roughness(&self, name: &str) -> Texture {
-        self.texture(name, |i| [255, byte(self.texels[i].roughness), byte(self.texels[i].metallic), 255])
+        self.texture(name, |i| [255, self.finish[i][0], self.finish[i][1], 255])
     }
 
     /// Tangent-space normals of the heights; the surface goes on beyond the edges as the other side begins.
     pub fn normal(&self, name: &str) -> Texture {
         let n = self.size as usize;
         let pitch = self.extent / self.size as f32;
+        let heights = &self.heights;
         self.texture(name, |i| {
             let (x, row) = (i % n, i - i % n);
-            let height = |i: usize| self.texels[i].height;
             let next = if x + 1 == n { row } else { i + 1 };
             let last = if x == 0 { row + n - 1 } else { i - 1 };
             let below = if i + n >= n * n { x } else { i + n };
             let above = if row == 0 { n * n - n + x } else { i - n };
-            let right = (height(next) - height(last)) / (2.0 * pitch.x);
-            let down = (height(below) - height(above)) / (2.0 * pitch.y);
+            let right = (heights[next] - heights[last]) / (2.0 * pitch.x);
+            let down = (heights[below] - heights[above]) / (2.0 * pitch.y);
             let normal = Vec3::new(-right, down, 1.0).normalize() * 0.5 + 0.5;
             [byte(normal.x), byte(normal.y), byte(normal.z), 255]
         })
     }
 
     fn texture(&self, name: &str, pixel: impl Fn(usize) -> [u8; 4]) -> Texture {
-        let mut pixels = vec![0; self.texels.len() * 4];
+        let mut pixels = vec![0; self.colors.len() * 4];
         for (i, bytes) in pixels.as_chunks_mut::<4>().0.iter_mut().enumerate() {
             *bytes = pixel(i);
         }
@@ -90,13 +99,14 @@ impl Painting {
             mip: Some(Filter::Linear),
         }
     }
-
-    /// Use of a texture of this painting by coordinates in metres.
-    pub fn slot(&self, texture: usize) -> TextureSlot {
-        TextureSlot { texture, uv_set: 0, transform: Mat3::from_scale(1.0 / self.extent) }
-    }
 }
 
+/// Use of a texture that covers a square of `extent` metres by coordinates in metres.
+pub fn slot(texture: usize, extent: Vec2) -> TextureSlot {
+    TextureSlot { texture, uv_set: 0, transform: Mat3::from_scale(1.0 / extent) }
+}
+
+#[inline]
 fn byte(value: f32) -> u8 {
     (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
 }
@@ -113,6 +123,7 @@ pub struct Block {
 
 /// Rows of blocks over the unit square, which is `extent` metres large. Each row is shifted by `stagger` of a block;
 /// the square repeats where `rows * stagger` is whole.
+#[inline]
 pub fn blocks(p: Vec2, extent: Vec2, columns: u32, rows: u32, stagger: f32, seed: u32) -> Block {
     let y = p.y * rows as f32;
     let row = (y.floor() as i32).rem_euclid(rows as i32) as u32;
@@ -126,6 +137,7 @@ pub fn blocks(p: Vec2, extent: Vec2, columns: u32, rows: u32, stagger: f32, seed
 
 /// How much a point is inside a leaf: 1 within, 0 outside, soft over one or two texels. The leaf runs from `base`
 /// along `axis` with half its `width` to each side. With it, how far from the midrib (0) to the edge (1).
+#[inline]
 pub fn leaf(p: Vec2, base: Vec2, axis: Vec2, width: f32) -> Option<(f32, f32)> {
     let from_base = p - base;
     let square = axis.length_squared();

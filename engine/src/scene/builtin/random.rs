@@ -42,6 +42,7 @@ impl Random {
 }
 
 /// 0 to 1, from a lattice point.
+#[inline]
 pub fn hash(x: u32, y: u32, seed: u32) -> f32 {
     let mut h = x.wrapping_mul(0x8da6_b343) ^ y.wrapping_mul(0xd816_3841) ^ seed.wrapping_mul(0xcb1a_b31f);
     h = (h ^ h >> 15).wrapping_mul(0x2c1b_3c6d);
@@ -82,6 +83,7 @@ impl Noise {
     }
 
     /// 0 to 1, with period 1 in both directions.
+    #[inline]
     pub fn at(&self, p: Vec2) -> f32 {
         let p = p * Self::SIZE as f32;
         let cell = p.floor();
@@ -96,12 +98,14 @@ impl Noise {
 }
 
 /// 3t² − 2t³, between 0 and 1.
+#[inline]
 pub fn smooth(t: f32) -> f32 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
 /// 0 below `low`, 1 above `high`, smooth between.
+#[inline]
 pub fn step(low: f32, high: f32, x: f32) -> f32 {
     smooth((x - low) / (high - low))
 }

@@ -3,6 +3,7 @@
 use glam::{Mat4, Vec3};
 
 use super::fragments::{Draw, Fragments, Step};
+use crate::Result;
 use crate::gpu::Feature;
 use crate::graph::{Graph, RasterPass};
 use crate::scene::{DrawClass, Faces, GpuScene, POSITIONS, SHADED, View, ViewSet};
@@ -15,30 +16,36 @@ use crate::shader::generated::transparency::{count_frag, count_vert, surface_pul
 pub struct Casters<'f> {
     scene: &'f GpuScene,
     /// Square, of one size.
-    views: Vec<View>,
+    views: ViewSet,
+    /// The same, each moved to its place in the row.
+    row: ViewSet,
     pull_vertices: bool,
 }
 
 impl<'f> Casters<'f> {
     /// As `views` see them: squares of one size, which stand in a row from the left.
-    pub fn new(graph: &Graph, scene: &'f GpuScene, views: Vec<View>) -> Self {
-        Self { scene, views, pull_vertices: !graph.caps().has(Feature::GeometryShader) }
+    ///
+    /// # Errors
+    /// As [`ViewSet::new`].
+    pub fn new(graph: &Graph, scene: &'f GpuScene, views: Vec<View>) -> Result<Self> {
+        let row = in_a_row(&views)?;
+        let pull_vertices = !graph.caps().has(Feature::GeometryShader);
+        Ok(Self { scene, views: ViewSet::new(views)?, row, pull_vertices })
     }
 
     fn texture_sets(&self) -> Vec<u32> {
         self.scene.draws.texture_sets(&[DrawClass::Blend])
     }
+}
 
-    /// The views, each moved to its place in the row.
-    fn in_a_row(&self) -> ViewSet {
-        let count = self.views.len() as f32;
-        let placed = self.views.iter().enumerate().map(|(index, view)| {
-            let aside = (2.0 * index as f32 + 1.0) / count - 1.0;
-            let place = Mat4::from_translation(Vec3::X * aside) * Mat4::from_scale(Vec3::new(1.0 / count, 1.0, 1.0));
-            View { clip_from_view: place * view.clip_from_view, ..*view }
-        });
-        ViewSet::new(placed.collect())
-    }
+fn in_a_row(views: &[View]) -> Result<ViewSet> {
+    let count = views.len() as f32;
+    let placed = views.iter().enumerate().map(|(index, view)| {
+        let aside = (2.0 * index as f32 + 1.0) / count - 1.0;
+        let place = Mat4::from_translation(Vec3::X * aside) * Mat4::from_scale(Vec3::new(1.0 / count, 1.0, 1.0));
+        View { clip_from_view: place * view.clip_from_view, ..*view }
+    });
+    ViewSet::new(placed.collect())
 }
 
 impl<'f> Fragments<'f> for Casters<'f> {
@@ -62,8 +69,7 @@ impl<'f> Fragments<'f> for Casters<'f> {
     }
 
     fn bind(&self, pass: &mut RasterPass<'_, 'f>, step: Step) {
-        pass.uniform(count_vert::VIEWS, &self.in_a_row().block())
-            .constant(count_vert::INSTANCES, &self.scene.instances);
+        pass.uniform(count_vert::VIEWS, &self.row.block()).constant(count_vert::INSTANCES, &self.scene.instances);
         if self.pull_vertices && step == Step::Arrays {
             self.scene.bind_pulled(pass);
         }
@@ -71,10 +77,10 @@ impl<'f> Fragments<'f> for Casters<'f> {
 
     fn draw(&self, step: Step) -> Draw<'f> {
         let (scene, pull) = (self.scene, self.pull_vertices);
-        let frusta = ViewSet::new(self.views.clone()).frusta();
+        let frusta = self.views.frusta();
         let draws: Vec<_> =
             frusta.into_iter().map(|frustum| scene.draws.visible(DrawClass::Blend, &[frustum])).collect();
-        let sizes: Vec<_> = self.views.iter().map(|view| view.size).collect();
+        let sizes: Vec<_> = self.views.views().iter().map(|view| view.size).collect();
         let texture_sets = self.texture_sets();
         Box::new(move |recorder| {
             for ((index, draws), size) in (0u32..).zip(&draws).zip(&sizes) {

@@ -19,6 +19,11 @@ pub trait Fragments<'f> {
     fn bind(&self, pass: &mut RasterPass<'_, 'f>, step: Step);
     /// Draws with them.
     fn draw(&self, step: Step) -> Draw<'f>;
+    /// Whether some multiply what passes through them channel by channel, so that techniques keep three numbers a layer and
+    /// not one alpha.
+    fn tints(&self) -> bool {
+        false
+    }
     /// Distances along the view axis that all fragments lie between, metres.
     fn distances(&self) -> [f32; 2];
 }
@@ -35,6 +40,9 @@ pub enum Step {
     Count,
     /// Appended to arrays, by `abuffer/array_append.glsl`.
     Arrays,
+    /// The same where the device runs a pixel's fragments in order: with `IN_ORDER` defined. Optional: without a program
+    /// [`Step::Arrays`] is taken.
+    ArraysInOrder,
     /// Appended to linked lists, by `abuffer/list_append.glsl`.
     Lists,
     /// The nearest that is left is composited, by `depth_peeling/peel.glsl`.
@@ -86,6 +94,7 @@ impl Step {
             Self::Samples => return None,
             Self::Count => [&count_frag::SHADER; 2],
             Self::Arrays => [&abuffer::array_frag::SHADER, &abuffer::array_pulled_frag::SHADER],
+            Self::ArraysInOrder => [&abuffer::array_in_order_frag::SHADER; 2],
             Self::Lists => [&abuffer::list_frag::SHADER, &abuffer::list_pulled_frag::SHADER],
             Self::Peel => [&depth_peeling::peel_frag::SHADER, &depth_peeling::peel_pulled_frag::SHADER],
             Self::PeelBothEnds => {
@@ -169,7 +178,14 @@ impl<'s, 'f> Blended<'s, 'f> {
 }
 
 impl<'f> Fragments<'f> for Blended<'_, 'f> {
+    fn tints(&self) -> bool {
+        self.scene.transmits()
+    }
+
     fn programs(&self, step: Step) -> Vec<Program> {
+        if step == Step::ArraysInOrder && self.pull_vertices {
+            return Vec::new();
+        }
         let fragment = step.shaders().map(|shaders| shaders[usize::from(self.pull_vertices)]);
         if step.needs() == Needs::Positions {
             return vec![Program::new(&count_vert::SHADER, fragment).vertex_buffers(POSITIONS)];

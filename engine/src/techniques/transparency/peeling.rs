@@ -6,6 +6,7 @@ use super::fragments::{Draw, Fragments, Step, count, fragment_pass};
 use crate::Error;
 use crate::graph::{BufferHandle, Checkpoint, Graph, ImageHandle, ImageShape};
 use crate::shader::generated::blocks;
+use crate::shader::generated::transparency::depth_peeling::peel_frag;
 use crate::shader::generated::transparency::{most_layers_comp, over_opaque_comp, peel_rounds_comp};
 use crate::shader::{ImageSlot, ReadWrite, Shader};
 
@@ -87,10 +88,13 @@ impl Rounds {
     }
 
     /// Puts `front` over `color`, where there are layers.
-    fn over(&self, graph: &mut Graph, front: &ImageHandle, color: ImageHandle) -> ImageHandle {
+    fn over(&self, graph: &mut Graph, front: &ImageHandle, tints: bool, color: ImageHandle) -> ImageHandle {
         let size = color.size();
         let mut pass = graph.compute(format!("{}.over", self.name), &over_opaque_comp::SHADER);
-        pass.read(over_opaque_comp::COUNTS, &self.count).read(over_opaque_comp::FRONT, front);
+        pass.read(over_opaque_comp::COUNTS, &self.count)
+            .read(over_opaque_comp::FRONT, front)
+            .specialize(over_opaque_comp::TINTED, tints)
+            .specialize(over_opaque_comp::BOTH_ENDS, self.layers_a_round == 2);
         let color = pass.write(over_opaque_comp::COLOR, color);
         pass.dispatch([size[0], size[1], 1]);
         color
@@ -103,25 +107,37 @@ struct Peeled {
     state: ImageHandle,
     /// Results of searches: three layers an end.
     found: ImageHandle,
-    /// Gathered from the front; the alpha is what it lets through.
+    /// What was gathered: `gathered.glsl`.
     front: ImageHandle,
 }
 
 impl Peeled {
     /// Nothing is peeled yet, from one end or from both.
-    fn nothing(graph: &mut Graph, name: &str, size: [u32; 2], ends: u32) -> Self {
+    fn nothing(graph: &mut Graph, name: &str, size: [u32; 2], ends: u32, tints: bool) -> Self {
         let mut cleared = |what: &str, format, layers, value| {
             let image = graph.image(format!("{name}.{what}"), ImageShape::new_2d(format, size).layers(layers));
             graph.clear(format!("{name}.{what}.begin"), image, value)
         };
         let begin = vk::ClearColorValue { uint32: [u32::MAX; 4] };
-        let clear = vk::ClearColorValue { float32: [0.0, 0.0, 0.0, 1.0] };
         Self {
             state: cleared("peeled", vk::Format::R32G32B32A32_UINT, ends, begin),
             found: cleared("found", vk::Format::R32_UINT, 3 * ends, vk::ClearColorValue::default()),
-            front: cleared("front", vk::Format::R32G32B32A32_SFLOAT, 1, clear),
+            front: gathered(graph, name, size, if tints { 1 + ends } else { 1 }),
         }
     }
+}
+
+/// Nothing is gathered: no light, and all is let through. `gathered.glsl` says what its layers hold.
+fn gathered(graph: &mut Graph, name: &str, size: [u32; 2], layers: u32) -> ImageHandle {
+    let shape = ImageShape::new_2d(vk::Format::R32G32B32A32_SFLOAT, size).layers(layers);
+    let image = graph.image(format!("{name}.front"), shape);
+    let counts = if layers == 1 { vec![1] } else { vec![1, layers - 1] };
+    let parts = graph.split_layer_blocks(image, &counts);
+    let values = [[0.0, 0.0, 0.0, 1.0], [1.0; 4]];
+    let names = ["front", "through"].map(|what| format!("{name}.{what}.begin"));
+    let cleared = |((part, float32), name)| graph.clear(name, part, vk::ClearColorValue { float32 });
+    let parts: Vec<_> = parts.into_iter().zip(values).zip(names).map(cleared).collect();
+    graph.join(parts).expect("an image has layers")
 }
 
 /// A kind of depth peeling: its step, and where its shaders have what.
@@ -150,14 +166,16 @@ impl Peeling {
     ) -> ImageHandle {
         let Self { name, step, .. } = *self;
         let ends = if self.back.is_some() { 2 } else { 1 };
+        let tints = fragments.tints();
         // 1. How many rounds are needed.
         let rounds = Rounds::new(graph, name, depth, fragments, layers, ends);
-        let Peeled { mut state, mut found, mut front } = Peeled::nothing(graph, name, depth.size(), ends);
+        let Peeled { mut state, mut found, mut front } = Peeled::nothing(graph, name, depth.size(), ends, tints);
         for round in rounds.all() {
             // 2. Each pixel's layer of this round is put behind those before, and the farthest that is left over what is
             //    opaque, where the step does that; the next are found.
-            let mut pass =
-                fragment_pass(graph, format!("{name}.peel.{round}"), depth, (fragments, step), |program| program);
+            let mut pass = fragment_pass(graph, format!("{name}.peel.{round}"), depth, (fragments, step), |program| {
+                program.constant(peel_frag::TINTED, tints)
+            });
             state = pass.write(self.state, state);
             found = pass.write(self.found, found);
             front = pass.write(self.front, front);
@@ -174,6 +192,6 @@ impl Peeling {
             pass.dispatch_indirect(groups, offset);
         }
         // 4. What was gathered from the front over all behind.
-        rounds.over(graph, &front, color)
+        rounds.over(graph, &front, tints, color)
     }
 }

@@ -12,9 +12,9 @@ use crate::shader::generated::voxel::conservative::cover_vert;
 /// every side, in voxels, beside what rounding asks for.
 ///
 /// # Errors
-/// As [`surface::triangle_starts`].
+/// As [`surface::triangle_count`].
 pub(super) fn bind(pass: &mut RasterPass, scene: &GpuScene, grid: &Grid, axis: Axis, spare: f32) -> Result<()> {
-    let touch = surface::touch(scene, grid, &surface::triangle_starts(scene, surface::Surfaces::All)?);
+    let touch = surface::touch(scene, grid, surface::Surfaces::All)?;
     let side = grid.size().into_iter().max().unwrap_or(1);
     pass.area([side; 2])
         .uniform(cover_vert::VOXEL_GRID, &grid.block(axis))

@@ -9,6 +9,7 @@ pub mod bricks;
 mod columns;
 pub mod conservative;
 mod cover;
+mod frustum;
 mod grid;
 mod pyramid;
 mod ranks;
@@ -17,13 +18,16 @@ pub mod six_separating;
 pub mod stencil;
 mod surface;
 pub mod vote;
+mod voxel_set;
 mod voxels;
 pub mod winding;
 
 pub use columns::FillRule;
+pub use frustum::{FrustumBits, FrustumGrid};
 pub use grid::{Axis, Grid, MAX_RESOLUTION, VoxelBits};
 pub use pyramid::{Level, Occluders, Pyramid};
 pub use surface::Surfaces;
+pub use voxel_set::VoxelSet;
 pub use voxels::Voxels;
 
 /// How far from a plane, in voxels, a point is in none of the voxels that [`six_separating`] sets for it. Those have

@@ -1,6 +1,7 @@
 //! Coarser and coarser bits of a grid, for walks that skip what is empty.
 
-use super::VoxelBits;
+use super::bricks::BRICK;
+use super::{VoxelBits, VoxelSet, voxel_set};
 use crate::graph::{BufferHandle, ComputePass, Graph};
 use crate::shader::generated::blocks;
 use crate::shader::generated::voxel::ray_marching::march_comp;
@@ -32,8 +33,13 @@ impl Level {
 impl Pyramid {
     /// Makes the levels up to a single voxel.
     pub fn record(graph: &mut Graph, voxels: &VoxelBits) -> Self {
+        Self::over(graph, voxels.grid.columns(voxels.axis), &voxels.bits)
+    }
+
+    /// Over so many voxels in column coordinates.
+    fn over(graph: &mut Graph, size: [u32; 3], bits: &BufferHandle) -> Self {
         // 1. Where they lie.
-        let mut levels = vec![Level { begin: 0, size: voxels.grid.columns(voxels.axis) }];
+        let mut levels = vec![Level { begin: 0, size }];
         let mut end = 0;
         while let Some(finer) = levels.last().filter(|level| level.size != [1; 3]) {
             let level = Level { begin: end, size: finer.size.map(|n| n.div_ceil(2)) };
@@ -49,13 +55,16 @@ impl Pyramid {
             let mut pass = graph.compute(format!("voxel.pyramid.{}", number + 1), shader);
             pass.push(&blocks::ReducePush { size: finer.size, finer: finer.begin, coarser: coarser.begin });
             if from_bits {
-                pass.read(reduce_bits_comp::BITS, &voxels.bits);
+                pass.read(reduce_bits_comp::BITS, bits);
                 words = pass.write(reduce_bits_comp::PYRAMID, words);
             } else {
                 words = pass.write(reduce_comp::PYRAMID, words);
             }
             let [width, height, depth] = coarser.size;
             pass.dispatch([width, height, depth.div_ceil(32)]);
+        }
+        if levels.len() == 1 {
+            words = graph.fill("voxel.pyramid.none", words, 0);
         }
         Self { words, levels }
     }
@@ -66,32 +75,37 @@ impl Pyramid {
     }
 }
 
-/// What blocks the way from point to point: the bits of a grid, and a pyramid to skip what is empty.
-pub struct Occluders {
+/// What blocks the way from point to point: the bits of a grid, as a whole or in bricks, and a pyramid to skip what is empty.
+pub struct Occluders<V = VoxelBits> {
     /// The bits, by any technique of this family.
-    pub voxels: VoxelBits,
-    /// Over them.
+    pub voxels: V,
+    /// Over them; of bricks, over their grid.
     pub pyramid: Pyramid,
 }
 
-impl Occluders {
+impl<V: VoxelSet> Occluders<V> {
     /// Makes the pyramid.
-    pub fn record(graph: &mut Graph, voxels: VoxelBits) -> Self {
-        let pyramid = Pyramid::record(graph, &voxels);
+    pub fn record(graph: &mut Graph, voxels: V) -> Self {
+        let pyramid = match voxels.bricks() {
+            Some(bricks) => Pyramid::record(graph, &bricks.coarse),
+            None => Pyramid::over(graph, voxels.grid().columns(voxels.axis()), voxels.words()),
+        };
         Self { voxels, pyramid }
     }
 
     /// Gives a pass the bindings of `voxel/visibility.glsl`, to skip by at most so many levels.
     pub(in crate::techniques) fn bind(&self, pass: &mut ComputePass, levels: u32) {
         let Self { voxels, pyramid } = self;
+        // The grid of bricks is level 3.
+        let below = if voxels.bricks().is_some() { BRICK.ilog2() } else { 0 };
         let mut level_begins = [0; 12];
-        for (begin, level) in level_begins.iter_mut().zip(&pyramid.levels) {
+        for (begin, level) in level_begins.iter_mut().skip(below as usize).zip(&pyramid.levels) {
             *begin = level.begin;
         }
-        let coarsest = levels.min(pyramid.levels.len() as u32 - 1);
-        pass.uniform(march_comp::VOXEL_GRID, &voxels.grid.block(voxels.axis))
+        let coarsest = levels.min(below + pyramid.levels.len() as u32 - 1);
+        pass.uniform(march_comp::VOXEL_GRID, &voxels.grid().block(voxels.axis()))
             .uniform(march_comp::PYRAMID_LEVELS, &blocks::PyramidLevels { level_begins, coarsest })
-            .read(march_comp::BITS, &voxels.bits)
             .read(march_comp::PYRAMID, &pyramid.words);
+        voxel_set::bind(pass, voxels);
     }
 }

@@ -45,7 +45,7 @@ impl Voxels {
         let coarse = Self::read(coarse?, &grid.bricks(), Axis::Z)?;
         let (firsts, bricks): (Vec<u32>, Vec<[u32; BRICK_WORDS]>) = (firsts?.texels()?, bricks?.texels()?);
         let count = coarse.count();
-        if firsts.len() != coarse.words() || bricks.len() as u64 != count.max(1) {
+        if firsts.len() != coarse.words().len() || bricks.len() as u64 != count.max(1) {
             let why = format!("{} bricks, by {} words, are not {count}", bricks.len(), firsts.len());
             return Err(Error::invalid("the captured bricks", why));
         }
@@ -77,35 +77,39 @@ impl Voxels {
 
     /// Whether a voxel is set; nothing outside the grid is.
     pub fn get(&self, voxel: [u32; 3]) -> bool {
+        self.rank(voxel).is_some()
+    }
+
+    /// The word that holds a set voxel, and how many of its lower bits are set.
+    pub(super) fn rank(&self, voxel: [u32; 3]) -> Option<(usize, u32)> {
+        let (index, bit) = self.place(voxel)?;
+        let word = self.words()[index];
+        (word & bit != 0).then(|| (index, (word & (bit - 1)).count_ones()))
+    }
+
+    /// The word with a voxel's bit, and the bit; nothing where there is none.
+    fn place(&self, voxel: [u32; 3]) -> Option<(usize, u32)> {
         match &self.store {
-            Store::Columns { .. } => self.rank(voxel).is_some(),
-            Store::Bricks { coarse, firsts, bricks } => {
-                let Some((word, below)) = coarse.rank(voxel.map(|i| i / BRICK)) else { return false };
+            Store::Columns { axis, .. } => {
+                let [i, j, k] = axis.order().map(|world| voxel[world]);
+                let [width, height, depth] = self.grid.columns(*axis);
+                let index = || (k as usize / 32 * height as usize + j as usize) * width as usize + i as usize;
+                (i < width && j < height && k < depth).then(|| (index(), 1 << (k % 32)))
+            }
+            Store::Bricks { coarse, firsts, .. } => {
+                let (word, below) = coarse.rank(voxel.map(|i| i / BRICK))?;
                 let [x, y, z] = voxel.map(|i| i % BRICK);
-                let brick = &bricks[(firsts[word] + below) as usize];
-                brick[(2 * z + y / 4) as usize] >> (8 * (y % 4) + x) & 1 == 1
+                let first = BRICK_WORDS * (firsts[word] + below) as usize;
+                Some((first + (2 * z + y / 4) as usize, 1 << (8 * (y % 4) + x)))
             }
         }
     }
 
-    /// The word that holds a set voxel of columns, and how many of its lower bits are set.
-    pub(super) fn rank(&self, voxel: [u32; 3]) -> Option<(usize, u32)> {
-        let Store::Columns { axis, words } = &self.store else { return None };
-        let [i, j, k] = axis.order().map(|world| voxel[world]);
-        let [width, height, depth] = self.grid.columns(*axis);
-        if i >= width || j >= height || k >= depth {
-            return None;
-        }
-        let index = (k as usize / 32 * height as usize + j as usize) * width as usize + i as usize;
-        let (word, bit) = (words[index], 1 << (k % 32));
-        (word & bit != 0).then(|| (index, (word & (bit - 1)).count_ones()))
-    }
-
-    /// How many words columns have.
-    pub(super) fn words(&self) -> usize {
+    /// All words that hold bits.
+    pub(super) fn words(&self) -> &[u32] {
         match &self.store {
-            Store::Columns { words, .. } => words.len(),
-            Store::Bricks { .. } => 0,
+            Store::Columns { words, .. } => words,
+            Store::Bricks { bricks, .. } => bricks.as_flattened(),
         }
     }
 
@@ -121,11 +125,7 @@ impl Voxels {
 
     /// How many voxels are set.
     pub fn count(&self) -> u64 {
-        let ones = |words: &[u32]| words.iter().map(|word| u64::from(word.count_ones())).sum();
-        match &self.store {
-            Store::Columns { words, .. } => ones(words),
-            Store::Bricks { bricks, .. } => ones(bricks.as_flattened()),
-        }
+        self.words().iter().map(|word| u64::from(word.count_ones())).sum()
     }
 
     /// Those that are set, in the order `[z][y][x]`.

@@ -39,6 +39,7 @@ impl<'f> Fragments<'f> for Layers {
             Step::Samples => None,
             Step::Count => Some(&count_frag::SHADER),
             Step::Arrays => Some(&shaders::layers_array_frag::SHADER),
+            Step::ArraysInOrder => Some(&shaders::layers_array_in_order_frag::SHADER),
             Step::Lists => Some(&shaders::layers_list_frag::SHADER),
             Step::Peel => Some(&shaders::layers_peel_frag::SHADER),
             Step::PeelBothEnds => Some(&shaders::layers_peel_both_ends_frag::SHADER),

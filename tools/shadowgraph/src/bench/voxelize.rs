@@ -8,6 +8,7 @@ use glam::{Mat4, Vec2, Vec3, Vec4};
 use shadowgraph::gpu::Gpu;
 use shadowgraph::graph::{Executor, Graph};
 use shadowgraph::scene::{GpuScene, Material, Mesh, Object, Primitive, Scene};
+use shadowgraph::techniques::voxel::atlas::Atlas;
 use shadowgraph::techniques::voxel::attributes::Attributes;
 use shadowgraph::techniques::voxel::bitmask::{Bitmask, Combine};
 use shadowgraph::techniques::voxel::bricks::Bricks;
@@ -31,6 +32,7 @@ enum Method {
     Stencil,
     Winding,
     Conservative(Pipeline),
+    Atlas,
     Attributes,
     Bricks,
 }
@@ -42,7 +44,7 @@ const MOST_SLICED: usize = 40_000_000;
 const MOST_WHOLE: u32 = 1024;
 const MOST_WITH_ATTRIBUTES: u32 = 512;
 
-const METHODS: [(&str, Method); 9] = [
+const METHODS: [(&str, Method); 10] = [
     ("bitmask", Method::Solid(Combine::Bit)),
     ("bitmask, masks", Method::Solid(Combine::Masks)),
     ("bitmask, logic", Method::Solid(Combine::LogicOp)),
@@ -50,6 +52,7 @@ const METHODS: [(&str, Method); 9] = [
     ("stencil", Method::Stencil),
     ("conservative", Method::Conservative(Pipeline::Compute)),
     ("conservative, raster", Method::Conservative(Pipeline::Raster)),
+    ("atlas", Method::Atlas),
     ("attributes", Method::Attributes),
     ("bricks", Method::Bricks),
 ];
@@ -63,6 +66,7 @@ impl Method {
             Self::Conservative(pipeline) => {
                 Conservative { pipeline, ..Conservative::default() }.record(graph, scene, grid)
             }
+            Self::Atlas => Atlas::default().record(graph, scene, grid),
             Self::Attributes => {
                 let voxels = Conservative::default().record(graph, scene, grid)?;
                 Attributes::default().record(graph, scene, &voxels)?.capture(graph);

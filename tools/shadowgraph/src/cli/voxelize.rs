@@ -14,13 +14,14 @@ use crate::arguments::{self, Resolution, SceneSource};
 #[command(after_help = "\
 A voxel is set where its centre is inside a solid (bitmask, stencil, winding), where a triangle touches it \
 (conservative), where it is needed to separate a surface's sides (six-separating), or where a texel of the surface's \
-atlas lies in it (atlas). Arrays are indexed [z,y,x]. Beside the file a .json says where the voxels are: voxel (i,j,k) \
+atlas lies in it (atlas). bitmask --surface sets those in which a surface crosses the line through their column. Arrays are indexed [z,y,x]. Beside the file a .json says where the voxels are: voxel (i,j,k) \
 has its centre at min + (i+1/2, j+1/2, k+1/2) * voxel_edge.
 
 Examples:
   shadowgraph voxelize scene.glb --resolution 256 -o scene.npy
   shadowgraph voxelize scene.glb --resolution 64,32,64 --min -1,0,-1 --edge 2 -o scene.npy --json
   shadowgraph voxelize scene.glb --method conservative --attributes -o scene.vox
+  shadowgraph voxelize scene.glb --camera 0 --resolution 320,180,128 -o scene.npy
   shadowgraph voxelize broken.glb --vote -o scene.binvox")]
 pub struct VoxelizeArguments {
     /// A .gltf or .glb file, or a built-in scene: builtin:NAME
@@ -36,12 +37,23 @@ pub struct VoxelizeArguments {
     /// Length of the grid along its axis with the most voxels, in metres
     #[arg(long, value_name = "METRES", value_parser = arguments::positive, allow_hyphen_values = true, requires = "min")]
     pub edge: Option<f32>,
+    /// Voxelize what a camera of the scene sees, by name or by index from 0 (bitmask): columns are the pixels of a picture of
+    /// X by Y, rows from the top, and the Z slices lie evenly between the nearest and the farthest the scene may be, from
+    /// far to near
+    #[arg(long, value_name = "NAME|INDEX", conflicts_with_all = ["min", "edge", "axis", "vote", "attributes"])]
+    pub camera: Option<String>,
     /// The axis that columns of voxels run along. Which one matters only where a surface has holes
     #[arg(long, value_enum, default_value_t = AxisName::Z)]
     pub axis: AxisName,
     /// How voxels are found
     #[arg(long, value_enum, default_value_t = VoxelMethod::Bitmask)]
     pub method: VoxelMethod,
+    /// Set what is inside of solids: what bitmask, stencil and winding do anyway
+    #[arg(long, conflicts_with = "surface")]
+    pub solid: bool,
+    /// Set what surfaces lie in: with bitmask too, the others of them do anyway
+    #[arg(long)]
+    pub surface: bool,
     /// What is inside (stencil, winding): what surfaces wind around, the default, so that solids that overlap are one; or
     /// what lies behind an odd number of surfaces
     #[arg(long, value_enum)]
@@ -59,10 +71,10 @@ pub struct VoxelizeArguments {
     #[arg(long, conflicts_with = "axis")]
     pub vote: bool,
     /// Write what surfaces are like in each voxel too: albedo as the colours of a .vox, and albedo, opacity, normal, area and
-    /// emission as channels of an .exr
+    /// emission as channels of an .exr or fields of a .sparse.npy
     #[arg(long)]
     pub attributes: bool,
-    /// The file to write; its name says the format: .npy or .packed.npy (NumPy), .binvox, .vox (MagicaVoxel), .exr (a part
+    /// The file to write; its name says the format: .npy, .packed.npy or .sparse.npy (NumPy), .binvox, .vox (MagicaVoxel), .exr (a part
     /// a slice), .glb (a mesh to look at), .png (a picture of slices). What it means is written beside it, as .json
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
@@ -72,6 +84,13 @@ pub struct VoxelizeArguments {
     /// The device
     #[command(flatten)]
     pub device: DeviceArguments,
+}
+
+impl VoxelizeArguments {
+    /// Whether what is inside of surfaces is asked for.
+    pub fn is_solid(&self) -> bool {
+        self.method.is_solid() && !self.surface
+    }
 }
 
 /// An axis of the world.
@@ -116,6 +135,11 @@ impl VoxelMethod {
     /// Whether it finds what is inside of surfaces, which must be closed for that.
     pub fn is_solid(self) -> bool {
         matches!(self, Self::Bitmask | Self::Stencil | Self::Winding)
+    }
+
+    /// Whether there is a choice of what is inside.
+    pub fn has_rule(self) -> bool {
+        matches!(self, Self::Stencil | Self::Winding)
     }
 }
 

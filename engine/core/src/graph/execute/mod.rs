@@ -82,6 +82,8 @@ struct Frame<'f> {
     queries: Vec<Asked>,
     /// How many passes the segments before had.
     first_pass: u32,
+    /// By pass of the whole frame, whether it runs. Nothing for a frame of one segment.
+    live: Vec<bool>,
 }
 
 /// A segment that has run.
@@ -172,7 +174,7 @@ impl<'g> Executor<'g> {
         self.histories.take(self.gpu, &histories, &mut external)?;
         let arena = self.arena_of_this_frame(&arena.bytes)?;
         let (work, memory, bound) = (work.into_iter(), Resources(external), Arc::new(bound));
-        let mut frame = Frame { work, bound, memory, arena, queries, first_pass: 0 };
+        let mut frame = Frame { work, bound, memory, arena, queries, first_pass: 0, live: Vec::new() };
         if description.checkpoints.is_empty() {
             let (ran, description) = self.run_once(description, plan, &mut frame)?;
             self.histories.keep(histories, plan, &frame.memory.0);
@@ -210,7 +212,7 @@ impl<'g> Executor<'g> {
         let turns = self.histories.share(histories, plan, &mut external)?;
         let arena = self.arena(&arena.bytes)?;
         let (work, memory, bound) = (work.into_iter(), Resources(external), Arc::new(bound));
-        let mut frame = Frame { work, bound, memory, arena, queries, first_pass: 0 };
+        let mut frame = Frame { work, bound, memory, arena, queries, first_pass: 0, live: Vec::new() };
         let descriptors = self.gpu.descriptor_cache(&description.name);
         self.ready(description, plan, &mut frame, (descriptors, turns))
     }
@@ -227,7 +229,7 @@ impl<'g> Executor<'g> {
             return Err(Error::invalid(format!("graph `{}`", prepared.description.name), why));
         }
         let phase = self.histories.phase(&prepared.turns)?;
-        let ran = self.record_and_wait(prepared, phase);
+        let ran = self.record_and_wait(prepared, phase, []);
         self.histories.turn(&mut prepared.turns, ran.is_ok());
         Ok(ran?.into())
     }
@@ -238,13 +240,21 @@ impl<'g> Executor<'g> {
         let descriptors = self.descriptors.take().unwrap_or_else(|| self.gpu.descriptor_cache("passes"));
         let mut prepared = self.ready(description, plan, frame, (descriptors, Turns::default()))?;
         let readying = start.elapsed();
-        let ran = self.record_and_wait(&mut prepared, 0)?;
+        let later = frame.live.iter().skip(frame.first_pass as usize);
+        let later = frame.work.as_slice().iter().zip(later).filter_map(|(work, &live)| live.then_some(work));
+        let ran = self.record_and_wait(&mut prepared, 0, later)?;
         let memory = prepared.phases.pop().map(|phase| phase.memory).unwrap_or_default();
         (self.descriptors, frame.memory) = (Some(prepared.descriptors), memory);
         Ok((Ran { recording: ran.recording + readying, ..ran }, prepared.description))
     }
 
-    fn record_and_wait(&mut self, prepared: &mut Prepared, phase: usize) -> Result<Ran> {
+    /// `later`: what segments after this one do. Their pipelines are made while the device is busy.
+    fn record_and_wait<'w, 'f: 'w>(
+        &mut self,
+        prepared: &mut Prepared,
+        phase: usize,
+        later: impl IntoIterator<Item = &'w Work<'f>>,
+    ) -> Result<Ran> {
         // 1. Host buffers for what is read back; queries begin anew.
         let start = Instant::now();
         let Prepared { description, steps, work, phases, timer, queries, first_pass, .. } = prepared;
@@ -293,7 +303,11 @@ impl<'g> Executor<'g> {
         let recording = start.elapsed();
         let submitted = Instant::now();
         let token = self.gpu.submit(commands)?;
+        let mut wanted = Vec::new();
+        later.into_iter().for_each(|work| work.pipelines(&mut wanted));
+        let made = self.pipelines.all(self.gpu, &wanted);
         self.gpu.wait(token)?;
+        made?;
         let running = submitted.elapsed();
         let name = |step: &Task| match step {
             Task::Pass { pass, .. } => description.passes[*pass as usize].name.to_string(),

@@ -3,7 +3,7 @@
 use ash::vk;
 
 use super::resources::Resources;
-use crate::gpu::{Commands, ViewInfo};
+use crate::gpu::{Commands, Target, ViewInfo};
 use crate::graph::description::{Access, Range, ResourceId};
 use crate::graph::pass::{Attachment, Attachments, DrawFn, Groups, Raster, Work};
 use crate::graph::plan::Barriers;
@@ -88,7 +88,7 @@ fn render(
     draw: &mut DrawFn,
     memory: &Resources,
 ) -> Result<()> {
-    let info = |attachment: &Attachment| -> Result<vk::RenderingAttachmentInfo<'static>> {
+    let target = |attachment: &Attachment| -> Result<Target> {
         let image = memory.image(attachment.resource);
         let image = image.ok_or_else(|| Error::invalid("an attachment", "has no image behind it"))?;
         let Range::Image { aspects, mips, layers } = attachment.range else {
@@ -100,12 +100,21 @@ fn render(
         let color = vk::ImageAspectFlags::COLOR;
         let aspects = if aspects == color { color } else { image.aspects() };
         let view = image.view(&ViewInfo { kind, aspects, mips, layers, ..image.whole() })?;
-        Ok(vk::RenderingAttachmentInfo::default()
-            .image_view(view)
-            .image_layout(attachment.layout)
-            .load_op(attachment.load)
-            .store_op(attachment.store)
-            .clear_value(attachment.clear))
+        let Attachment { layout, load, store, clear, .. } = *attachment;
+        Ok(Target { view, format: image.info().format, layout, operations: (load, store), clear })
+    };
+    if let (true, Some(Some(color))) = (attachments.ordered, attachments.color.first()) {
+        let depth = attachments.depth.as_ref().map(target).transpose()?;
+        commands.begin_ordered(target(color)?, depth, attachments.size)?;
+        let mut recorder = Recorder::new(device, commands, programs);
+        let drawn = draw(&mut recorder);
+        commands.end_ordered();
+        return drawn.and_then(|()| recorder.finish());
+    }
+    let info = |attachment: &Attachment| -> Result<vk::RenderingAttachmentInfo<'static>> {
+        let Target { view, layout, operations: (load, store), clear, .. } = target(attachment)?;
+        let info = vk::RenderingAttachmentInfo::default().image_view(view).image_layout(layout);
+        Ok(info.load_op(load).store_op(store).clear_value(clear))
     };
     let color = attachments.color.iter().flatten().map(info).collect::<Result<Vec<_>>>()?;
     let depth = attachments.depth.as_ref().map(info).transpose()?;

@@ -23,7 +23,11 @@ impl Executor<'_> {
         for index in 0..=whole.checkpoints.len() {
             // 1. Plan it, by what the segments before it left. The first one was planned by the caller.
             let mut planned = match index {
-                0 => first_segment(&whole, plan.clone(), self.gpu)?,
+                0 => {
+                    let (first, live) = first_segment(&whole, plan.clone(), self.gpu)?;
+                    frame.live = live;
+                    first
+                }
                 _ => segment(&whole, index, &ends, self.gpu)?,
             };
 

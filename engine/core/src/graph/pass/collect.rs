@@ -9,7 +9,7 @@ use crate::gpu::{QueryKind, SamplerInfo};
 use crate::graph::builder::Graph;
 use crate::graph::description::{Access, PassId};
 use crate::graph::execute::Asked;
-use crate::graph::handle::Handle;
+use crate::graph::handle::{Handle, ImageHandle};
 use crate::graph::name::Name;
 use crate::shader::{Binding, BindingKind, Shader, ShaderAccess, Stage};
 
@@ -101,6 +101,7 @@ impl Collected {
             BindingKind::UniformBuffer => Access::uniform(stages),
             BindingKind::StorageBuffer => Access::storage_buffer_read(stages),
             BindingKind::StorageImage => Access::storage_image_read(stages),
+            BindingKind::InputAttachment => Access::ordered_attachment(),
             BindingKind::CombinedImageSampler | BindingKind::SampledImage | BindingKind::Sampler => {
                 Access::sampled(stages)
             }
@@ -133,6 +134,18 @@ impl Collected {
         graph.uses.push(used);
         graph.bound.push(Bound { binding: binding.binding, what });
         next
+    }
+
+    /// Binds the colour attachment that this pass's fragments read and write in order.
+    pub(super) fn attached(&self, graph: &mut Graph, slot: &Binding, handle: &ImageHandle) {
+        let Some(Found { binding, .. }) = self.find(graph, slot) else { return };
+        let what = What::Resource {
+            resource: handle.resource,
+            range: handle.range,
+            layout: Access::ordered_attachment().layout,
+            sampler: SamplerInfo::nearest(),
+        };
+        graph.bound.push(Bound { binding: binding.binding, what });
     }
 
     pub(super) fn finish(self, graph: &mut Graph) -> (Name, Range<usize>) {

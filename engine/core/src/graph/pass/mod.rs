@@ -138,6 +138,8 @@ pub(in crate::graph) struct Attachments {
     pub(in crate::graph) color: Vec<Option<Attachment>>,
     pub(in crate::graph) depth: Option<Attachment>,
     pub(in crate::graph) stencil: Option<Attachment>,
+    /// Whether fragments read the colour attachment in primitive order: then it is the only one.
+    pub(in crate::graph) ordered: bool,
     pub(in crate::graph) size: [u32; 2],
     pub(in crate::graph) layers: u32,
 }

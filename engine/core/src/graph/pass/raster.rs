@@ -12,7 +12,9 @@ use crate::graph::description::{Access, Queue};
 use crate::graph::handle::ImageHandle;
 use crate::graph::name::Name;
 use crate::graph::record::Recorder;
-use crate::shader::{self, ColorSlot, Program, ReadSlot, SampledSlot, StorageSlot, Targets, UniformSlot, WriteSlot};
+use crate::shader::{
+    self, ColorSlot, InputSlot, Program, ReadSlot, SampledSlot, StorageSlot, Targets, UniformSlot, WriteSlot,
+};
 
 /// A pass of draws being described; [`RasterPass::draw`] ends it.
 #[must_use = "a pass is recorded by `draw`"]
@@ -58,6 +60,15 @@ impl<'g, 'f> RasterPass<'g, 'f> {
     pub fn color_uint(&mut self, slot: ColorSlot, handle: ImageHandle, load: Load<[u32; 4]>) -> ImageHandle {
         let clear = |rgba| vk::ClearValue { color: vk::ClearColorValue { uint32: rgba } };
         self.color_attachment(slot, handle, map_load(load, clear))
+    }
+
+    /// Writes a colour attachment that fragments read through an input attachment: each finds what those of earlier
+    /// primitives left in its pixel. It is the pass's only one, of one layer. Needs
+    /// [`crate::gpu::Feature::OrderedAttachments`].
+    pub fn color_in_order(&mut self, slot: ColorSlot, input: InputSlot, handle: ImageHandle) -> ImageHandle {
+        self.collected.attached(self.graph, &input.binding(), &handle);
+        self.attachments.ordered = true;
+        self.color_attachment(slot, handle, map_load(Load::Keep, |()| vk::ClearValue::default()))
     }
 
     /// Tests and writes depth.
@@ -114,6 +125,11 @@ impl<'g, 'f> RasterPass<'g, 'f> {
             let wrong = format!("has no attachment for location {gap}, but for a higher one");
             graph.mistake(Some(name), None, wrong, "locations from 0 without a gap".into());
         }
+        let Attachments { color, stencil, layers, ordered, .. } = &attachments;
+        if *ordered && (color.len() != 1 || stencil.is_some() || *layers != 1 || targets.view_mask != 0) {
+            let wrong = "reads a colour attachment in order beside others".into();
+            graph.mistake(Some(name), None, wrong, "this one, of one layer, and depth".into());
+        }
         let (name, bound) = collected.finish(graph);
         let raster = Raster { programs, targets, attachments, bound, draw: Box::new(draw) };
         graph.push_collected(name, Queue::Graphics, Work::Raster(Box::new(raster)));
@@ -129,7 +145,10 @@ impl<'g, 'f> RasterPass<'g, 'f> {
         let location = output.location as usize;
         let reads = load == vk::AttachmentLoadOp::LOAD;
         let blends = self.programs.iter().any(|program| program.blend.blend_enable == vk::TRUE);
-        let access = Access::color_attachment(reads || blends);
+        let access = match self.attachments.ordered {
+            true => Access::ordered_attachment(),
+            false => Access::color_attachment(reads || blends),
+        };
         self.cover(output.name, &handle);
         if self.attachments.color.len() <= location {
             self.attachments.color.resize_with(location + 1, || None);

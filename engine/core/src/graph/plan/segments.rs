@@ -63,7 +63,7 @@ pub fn segment(
     Ok(Segment { description, plan, passes, roots })
 }
 
-/// The first segment of a frame, which was planned before.
+/// The first segment of a frame, which was planned before; by pass of the whole frame, whether it runs.
 ///
 /// # Errors
 /// As [`segment`].
@@ -71,9 +71,9 @@ pub(in crate::graph) fn first_segment(
     whole: &Description,
     plan: Plan,
     device: &dyn DeviceModel,
-) -> Result<Segment, GraphErrors> {
-    let Part { description, passes, roots, .. } = part(whole, 0, &[], device)?;
-    Ok(Segment { description, plan, passes, roots })
+) -> Result<(Segment, Vec<bool>), GraphErrors> {
+    let Part { description, passes, roots, chosen } = part(whole, 0, &[], device)?;
+    Ok((Segment { description, plan, passes, roots }, chosen.live))
 }
 
 /// A segment before it is planned.

@@ -114,6 +114,12 @@ pub(super) const KINDS: &[Kind] = &[
         ..kind(Mask::COLOR_ATTACHMENT_WRITE, Stages::COLOR_ATTACHMENT_OUTPUT)
     },
     Kind {
+        image: ImageUsage::INPUT_ATTACHMENT,
+        aspects: Aspects::COLOR,
+        layouts: &[Layout::GENERAL],
+        ..kind(Mask::INPUT_ATTACHMENT_READ, Stages::FRAGMENT_SHADER)
+    },
+    Kind {
         image: ImageUsage::DEPTH_STENCIL_ATTACHMENT,
         aspects: DEPTH_STENCIL,
         layouts: DEPTH_READ,

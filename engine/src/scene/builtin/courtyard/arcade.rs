@@ -10,6 +10,8 @@ use super::{BAY, Parts, SPRING, Shape, Surface, TOP};
 pub const DEPTH: f32 = 0.55;
 const OPENING: f32 = 1.15;
 const SEGMENTS: usize = 20;
+/// Sides of what is turned.
+const AROUND: usize = 22;
 
 /// An outline that swells out by half a circle, from height `low` to `high` at `radius`.
 fn torus(radius: f32, low: f32, high: f32) -> [[f32; 2]; 6] {
@@ -27,13 +29,15 @@ pub fn column() -> Parts {
     stone.block(vec3(0.0, SPRING - 0.14, 0.0), vec3(0.84, 0.14, 0.84));
 
     // Base: torus, hollow, torus.
-    stone.lathe(&torus(0.31, 0.16, 0.27), 28);
-    stone.lathe(&[[0.32, 0.265], [0.295, 0.285], [0.280, 0.310], [0.285, 0.340]], 28);
-    stone.lathe(&torus(0.275, 0.335, 0.40), 28);
+    stone.lathe(&torus(0.31, 0.16, 0.27), AROUND);
+    stone.lathe(&[[0.32, 0.265], [0.295, 0.285], [0.280, 0.310], [0.285, 0.340]], AROUND);
+    stone.lathe(&torus(0.275, 0.335, 0.40), AROUND);
 
     // Shaft: flutes that run out at both ends, and a slight swelling.
     let (low, high) = (0.40, 2.52);
-    stone.grid([64, 8], true, |s, t| {
+    let rows: [f32; 5] = [0.0, 1.0 / 12.0, 0.5, 11.0 / 12.0, 1.0];
+    stone.grid([64, rows.len() - 1], true, |s, row| {
+        let t = rows[(row * (rows.len() - 1) as f32).round() as usize];
         let y = low + (high - low) * t;
         let radius = 0.275 - 0.045 * t * t;
         let ends = (t * 12.0).min((1.0 - t) * 12.0).min(1.0);
@@ -42,14 +46,14 @@ pub fn column() -> Parts {
         let (sin, cos) = (s * TAU).sin_cos();
         (vec3(r * cos, y, -r * sin), vec2(s * TAU * radius, -y))
     });
-    stone.lathe(&torus(0.225, 2.50, 2.56), 28);
+    stone.lathe(&torus(0.225, 2.50, 2.56), AROUND);
 
     // Capital: a bell, and two rows of leaves that bend over.
     let bell = [[0.225, 2.56], [0.228, 2.70], [0.245, 2.82], [0.29, 2.94], [0.36, 3.02], [0.38, 3.06]];
-    stone.lathe(&bell, 24);
+    stone.lathe(&bell, AROUND);
     for (row, (foot, height, offset)) in [(2.56, 0.26, 0.0), (2.62, 0.40, PI / 8.0)].into_iter().enumerate() {
         let mut leaf = Shape::new();
-        leaf.grid([4, 5], false, |s, t| {
+        leaf.grid([2, 5], false, |s, t| {
             let across = 2.0 * s - 1.0;
             let width = 0.085 * (1.0 - 0.75 * t * t * t);
             // Bends outwards towards its tip, which hangs over.

@@ -8,7 +8,7 @@ use crate::parallel;
 use crate::scene::{
     AlphaMode, Material, Texture,
     builtin::{
-        paint::{Painting, Texel},
+        paint::{Painting, Texel, slot},
         random::Noise,
     },
 };
@@ -73,22 +73,22 @@ pub fn materials() -> (Vec<Material>, Vec<Texture>) {
             let base = (recipe.size > 0).then(|| painting.base_color(&name("base colour")));
             let normal = recipe.normal.then(|| painting.normal(&name("normal")));
             let rough = recipe.metallic_roughness.then(|| painting.metallic_roughness(&name("roughness")));
-            Ok((painting, base, normal, rough))
+            Ok([base, normal, rough])
         },
         |_| (),
     );
     let mut textures = Vec::new();
     let mut materials = Vec::new();
-    for (recipe, (painting, base, normal, rough)) in recipes.into_iter().zip(painted.unwrap_or_default()) {
-        let mut slot = |texture: Option<Texture>| {
+    for (recipe, [base, normal, rough]) in recipes.into_iter().zip(painted.unwrap_or_default()) {
+        let mut used = |texture: Option<Texture>| {
             textures.push(texture?);
-            Some(painting.slot(textures.len() - 1))
+            Some(slot(textures.len() - 1, recipe.extent))
         };
         materials.push(Material {
             name: recipe.name.into(),
-            base_color_texture: slot(base),
-            normal_texture: slot(normal),
-            metallic_roughness_texture: slot(rough),
+            base_color_texture: used(base),
+            normal_texture: used(normal),
+            metallic_roughness_texture: used(rough),
             ..recipe.material
         });
     }

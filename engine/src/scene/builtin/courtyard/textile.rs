@@ -10,7 +10,7 @@ use super::{Parts, Shape, Surface, furniture::rod};
 pub fn banner(phase: f32) -> Parts {
     let (width, length) = (0.85, 2.3);
     let mut cloth = Shape::new();
-    cloth.grid([16, 20], false, |s, t| {
+    cloth.grid([14, 14], false, |s, t| {
         let down = 1.0 - t;
         let folds = 0.06 * (s * 1.6 * TAU + down * 1.5 + phase).sin() * down.sqrt();
         let belly = 0.10 * (down * PI * 0.9 + phase * 0.3).sin() * down;

@@ -159,7 +159,7 @@ pub fn ceiling(side: &Side) -> Parts {
 pub fn roof(side: &Side) -> Parts {
     const COURSES: usize = 8;
     const TILE: f32 = 0.24;
-    const STEPS: usize = 4;
+    const STEPS: usize = 3;
     let reach = side.length() * 0.5 + WALK;
     let tiles = (2.0 * reach / TILE).round() as usize;
     let (eaves, ridge) = (vec2(0.66, TOP + 0.04), vec2(-WALK, RIDGE));

@@ -12,6 +12,7 @@ pub use fit::{Fit, fit};
 pub use split::{Splits, split_distances};
 
 use super::{Filter, Receivers, map_sampler};
+use crate::Result;
 use crate::geometry::Aabb;
 use crate::graph::{Graph, ImageHandle, ImageShape};
 use crate::scene::{Faces, GpuScene, View, ViewSet};
@@ -67,6 +68,9 @@ pub struct CascadedShadow {
 
 impl Cascaded {
     /// Renders the maps and writes the mask of a light that travels along `direction` (unit length, world space).
+    ///
+    /// # Errors
+    /// As [`ViewSet::new`].
     pub fn record<'f>(
         &self,
         graph: &mut Graph<'f>,
@@ -74,13 +78,13 @@ impl Cascaded {
         receivers: &Receivers,
         direction: Vec3,
         mask: ImageHandle,
-    ) -> CascadedShadow {
+    ) -> Result<CascadedShadow> {
         let fits = self.fit(receivers.view, &scene.bounds, direction);
         let map = graph.image(
             "shadow.cascaded.map",
             ImageShape::new_2d(vk::Format::D32_SFLOAT, [self.resolution; 2]).layers(fits.len() as u32),
         );
-        let views = ViewSet::new(fits.iter().map(|fit| fit.view).collect());
+        let views = ViewSet::new(fits.iter().map(|fit| fit.view).collect())?;
         let map = scene.record_depth(graph, "shadow.cascaded.map", &views, map, Faces::Both);
 
         let index_shape = ImageShape::new_2d(vk::Format::R32_SFLOAT, receivers.view.size);
@@ -97,7 +101,7 @@ impl Cascaded {
         let mask = pass.write(shader::MASK, mask);
         let index = pass.write(shader::CASCADE_INDEX, index);
         pass.dispatch([receivers.view.size[0], receivers.view.size[1], 1]);
-        CascadedShadow { mask, index, map, parameters, taps }
+        Ok(CascadedShadow { mask, index, map, parameters, taps })
     }
 
     /// Where the cascades lie for a camera, a scene and a direction of light.

@@ -7,7 +7,7 @@ use crate::graph::{Graph, ImageHandle};
 use crate::scene::{Light, LightKind};
 use crate::shader::generated::blocks;
 use crate::shader::generated::shadow::marched::mask_comp as shader;
-use crate::techniques::voxel::{CLEAR_OF_SURFACE, Grid, Occluders};
+use crate::techniques::voxel::{CLEAR_OF_SURFACE, Grid, Occluders, VoxelSet};
 
 /// Most lights at once; `MAX_MARCHED_LIGHTS` in `visibility.glsl`.
 pub const MAX_LIGHTS: usize = 64;
@@ -32,13 +32,13 @@ impl Marched {
     pub fn record(
         &self,
         graph: &mut Graph,
-        occluders: &Occluders,
+        occluders: &Occluders<impl VoxelSet>,
         [position, ids]: [&ImageHandle; 2],
         lights: &[&Light],
         masks: ImageHandle,
     ) -> ImageHandle {
         let [width, height, _] = masks.shape().extent;
-        let parameters = self.parameters(&occluders.voxels.grid, lights);
+        let parameters = self.parameters(occluders.voxels.grid(), lights);
         let mut pass = graph.compute("shadow.marched.mask", &shader::SHADER);
         occluders.bind(&mut pass, u32::MAX);
         pass.read(shader::POSITION, position).read(shader::IDS, ids).uniform(shader::MARCHED_LIGHTS, &parameters);

@@ -1,14 +1,18 @@
 //! Contiguous arrays: a pass counts, prefix sums say where each pixel's array begins, a pass fills. All at once, or band
 //! by band of the picture's rows where that would not fit into memory.
 
+use ash::vk;
+
 use super::resolve::Resolved;
 use super::scan::{Scanned, chunks_of, scan};
 use super::told::{Amount, Told};
 use super::{ABuffer, Built, Composited, Known};
-use crate::graph::{BufferHandle, Checkpoint, Data, Graph, ImageHandle};
+use crate::gpu::Feature;
+use crate::graph::{BufferHandle, Checkpoint, Data, Graph, ImageHandle, ImageShape};
 use crate::scene::View;
 use crate::shader::generated::blocks;
-use crate::shader::generated::transparency::abuffer::{array_frag, check_comp, rows_comp, scan_offsets_comp};
+use crate::shader::generated::transparency::abuffer::array_in_order_frag as ordered;
+use crate::shader::generated::transparency::abuffer::{array_frag, rows_comp, scan_offsets_comp};
 use crate::techniques::transparency::fragments::{Draw, Fragments, Step, count, fragment_pass};
 
 const NAME: &str = "abuffer";
@@ -17,7 +21,7 @@ const NAME: &str = "abuffer";
 struct Room {
     nodes: ImageHandle,
     /// By pixel, where its next node goes.
-    cursors: BufferHandle,
+    cursors: ImageHandle,
     work: BufferHandle,
     sorted: [ImageHandle; 2],
 }
@@ -27,8 +31,6 @@ pub(super) struct Arrays {
     pub(super) built: Built,
     /// What long lists are sorted in.
     pub(super) sorted: [ImageHandle; 2],
-    /// By pixel, the end of its array.
-    cursors: BufferHandle,
 }
 
 impl ABuffer {
@@ -60,7 +62,7 @@ impl ABuffer {
             let name = format!("{NAME}.{index}");
             let frame = told.frame(graph, depth.size(), index);
             let scanned = scan(graph, &name, &count, frame);
-            let draw = in_band(told.clone(), index, depth.size()[0], fragments.draw(Step::Arrays));
+            let draw = in_band(told.clone(), index, depth.size()[0], fragments.draw(filling(graph, fragments)));
             let arrays = self.fill(graph, name, (scanned, frame, frame), (depth, fragments, draw), &count, room);
             (onto, room) = self.over(graph, view, arrays, onto);
         }
@@ -85,7 +87,7 @@ impl ABuffer {
         let told = Told::Totals(totals.clone());
         let room = self.room(graph, name, &told, size);
         let frame = told.frame(graph, size, 0);
-        let draw = fragments.draw(Step::Arrays);
+        let draw = fragments.draw(filling(graph, fragments));
         let frames = (scanned, counted, frame);
         (self.fill(graph, name.to_owned(), frames, (depth, fragments, draw), count, room), totals)
     }
@@ -96,7 +98,7 @@ impl ABuffer {
         let nodes = move |amount: Amount| this.nodes_size(caps, amount.nodes, false);
         Room {
             nodes: told.image(graph, format!("{name}.nodes"), nodes),
-            cursors: graph.buffer(format!("{name}.cursors"), 4 * u64::from(size[0]) * u64::from(size[1])),
+            cursors: graph.image(format!("{name}.cursors"), ImageShape::new_2d(vk::Format::R32_UINT, size)),
             work: told.pixels(graph, format!("{name}.work"), size[0], size_of::<blocks::Pixel>() as u64),
             sorted: self.sorted_room(graph, name, told),
         }
@@ -126,25 +128,33 @@ impl ABuffer {
 
         // 2. Filled.
         let specialize = |program| self.specialized(program);
-        let mut pass = fragment_pass(graph, format!("{name}.fill"), depth, (fragments, Step::Arrays), specialize);
+        let step = filling(graph, fragments);
+        let mut pass = fragment_pass(graph, format!("{name}.fill"), depth, (fragments, step), specialize);
         pass.uniform_data(array_frag::ABUFFER, frame);
         let nodes = pass.write(array_frag::NODES, nodes);
-        let cursors = pass.write(array_frag::CURSORS, cursors);
+        let cursors = match step {
+            Step::ArraysInOrder => pass.color_in_order(ordered::NEXT_CURSOR, ordered::CURSOR, cursors),
+            _ => pass.write(array_frag::CURSORS, cursors),
+        };
         pass.draw(draw);
-        Arrays { built: Built { name, nodes, linked: false, scanned, work, frame }, sorted, cursors }
+        Arrays { built: Built { name, nodes, linked: false, scanned, ends: cursors, work, frame }, sorted }
     }
 
-    /// Checks that nothing was lost, sorts arrays and composites them. Gives their memory back.
-    fn over(&self, graph: &mut Graph, view: &View, arrays: Arrays, mut onto: Resolved) -> (Resolved, Room) {
-        let Arrays { built, sorted, cursors } = arrays;
-        let totals = &built.scanned.totals;
-        let mut pass = graph.compute(format!("{}.check", built.name), &check_comp::SHADER);
-        pass.read(check_comp::TOTALS, totals).read(check_comp::WORK, &built.work).read(check_comp::CURSORS, &cursors);
-        onto.report = pass.write(check_comp::REPORT, onto.report);
-        pass.dispatch_indirect(totals, std::mem::offset_of!(blocks::Totals, work_groups) as u64);
+    /// Sorts arrays and composites them. Gives their memory back.
+    fn over(&self, graph: &mut Graph, view: &View, arrays: Arrays, onto: Resolved) -> (Resolved, Room) {
+        let Arrays { built, sorted } = arrays;
         let (onto, sorted) = self.resolve(graph, view, &built, sorted, onto);
-        let Built { nodes, work, .. } = built;
-        (onto, Room { nodes, cursors, work, sorted })
+        let Built { nodes, ends, work, .. } = built;
+        (onto, Room { nodes, cursors: ends, work, sorted })
+    }
+}
+
+/// How fragments come to their arrays: in the order of primitives where that is possible, else by atomic additions.
+fn filling<'f>(graph: &Graph<'f>, fragments: &dyn Fragments<'f>) -> Step {
+    let ordered = graph.caps().has(Feature::OrderedAttachments);
+    match ordered && !fragments.programs(Step::ArraysInOrder).is_empty() {
+        true => Step::ArraysInOrder,
+        false => Step::Arrays,
     }
 }
 

@@ -146,7 +146,7 @@ impl ABuffer {
         let work = pass.write(list_offsets_comp::WORK, work);
         pass.dispatch([chunks_of(size) as u32, 1, 1]);
         let sorted = self.sorted_room(graph, name, &told);
-        let built = Built { name: name.into(), nodes, linked: true, scanned, work, frame };
+        let built = Built { name: name.into(), nodes, linked: true, scanned, ends: heads, work, frame };
         ((built, sorted), totals, count)
     }
 }

@@ -126,6 +126,8 @@ struct Built {
     nodes: ImageHandle,
     linked: bool,
     scanned: Scanned,
+    /// By pixel: of arrays, their ends; of lists, their heads.
+    ends: ImageHandle,
     /// Pixels that have nodes, class by class.
     work: BufferHandle,
     /// `frame.glsl`'s block.

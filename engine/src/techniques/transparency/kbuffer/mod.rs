@@ -40,14 +40,14 @@ impl OrderIndependent for KBuffer {
         fragments: &dyn Fragments<'f>,
         color: ImageHandle,
     ) -> ImageHandle {
-        let (size, kept) = (depth.size(), self.kept.clamp(1, 32));
-        let mut empty = |what: &str, format| {
-            let image = graph.image(format!("{NAME}.{what}"), ImageShape::new_2d(format, size).layers(kept));
+        let (size, kept, tints) = (depth.size(), self.kept.clamp(1, 32), fragments.tints());
+        let mut empty = |what: &str, format, layers| {
+            let image = graph.image(format!("{NAME}.{what}"), ImageShape::new_2d(format, size).layers(layers));
             graph.clear(format!("{NAME}.{what}.begin"), image, vk::ClearColorValue::default())
         };
-        let depths = empty("depths", vk::Format::R32_UINT);
-        let tags = empty("tags", vk::Format::R32_UINT);
-        let colors = empty("colors", vk::Format::R32G32B32A32_SFLOAT);
+        let depths = empty("depths", vk::Format::R32_UINT, kept);
+        let tags = empty("tags", vk::Format::R32_UINT, kept);
+        let colors = empty("colors", vk::Format::R32G32B32A32_SFLOAT, if tints { 2 * kept } else { kept });
         let specialize = |program: Program| program.constant(keep_depths_frag::KEPT, kept);
 
         // 1. The nearest depths.
@@ -62,7 +62,8 @@ impl OrderIndependent for KBuffer {
         pass.draw(fragments.draw(Step::KeepTags));
 
         // 3. Their colours, and sums of all others.
-        let specialize = |program: Program| program.constant(keep_colors_frag::KEPT, kept);
+        let specialize =
+            |program: Program| program.constant(keep_colors_frag::KEPT, kept).constant(keep_colors_frag::TINTED, tints);
         let (sums, colors) = Sums::record(graph, NAME, depth, (fragments, Step::KeepColors), specialize, |pass| {
             pass.read(keep_colors_frag::KEPT_DEPTHS, &depths).read(keep_colors_frag::KEPT_TAGS, &tags);
             pass.write(keep_colors_frag::KEPT_COLORS, colors)
@@ -74,7 +75,8 @@ impl OrderIndependent for KBuffer {
             .read(resolve_comp::WEIGHTS, &sums.weights)
             .read(resolve_comp::KEPT_DEPTHS, &depths)
             .read(resolve_comp::KEPT_COLORS, &colors)
-            .specialize(resolve_comp::KEPT, kept);
+            .specialize(resolve_comp::KEPT, kept)
+            .specialize(resolve_comp::TINTED, tints);
         let color = pass.write(resolve_comp::COLOR, color);
         pass.dispatch([size[0], size[1], 1]);
         color

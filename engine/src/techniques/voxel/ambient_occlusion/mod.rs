@@ -5,7 +5,7 @@
 
 use ash::vk;
 
-use super::{CLEAR_OF_SURFACE, Occluders};
+use super::{CLEAR_OF_SURFACE, Occluders, VoxelSet};
 use crate::graph::{Graph, ImageHandle, ImageShape};
 use crate::shader::generated::blocks;
 use crate::shader::generated::voxel::ambient_occlusion::occlusion_comp as shader;
@@ -34,13 +34,13 @@ impl AmbientOcclusion {
     pub fn record(
         &self,
         graph: &mut Graph,
-        occluders: &Occluders,
+        occluders: &Occluders<impl VoxelSet>,
         position: &ImageHandle,
         ids: &ImageHandle,
     ) -> ImageHandle {
         let [width, height, _] = position.shape().extent;
         let open = graph.image("ambient_occlusion", ImageShape::new_2d(vk::Format::R32_SFLOAT, [width, height]));
-        let push = blocks::OcclusionPush { offset: self.offset * occluders.voxels.grid.edge(), reach: self.reach };
+        let push = blocks::OcclusionPush { offset: self.offset * occluders.voxels.grid().edge(), reach: self.reach };
         let mut pass = graph.compute("voxel.ambient_occlusion", &shader::SHADER);
         occluders.bind(&mut pass, u32::MAX);
         pass.read(shader::POSITION, position)

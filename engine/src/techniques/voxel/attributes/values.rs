@@ -54,7 +54,7 @@ impl VoxelAttributes {
         let [albedo, normals, emission] = [1, 2, 3].map(|i| capture(NAMES[i])?.texels::<[f32; 4]>());
         let (albedo, normals, emission) = (albedo?, normals?, emission?);
         let lengths = [albedo.len(), normals.len(), emission.len()];
-        if firsts.len() != voxels.words() || lengths != [voxels.count().max(1) as usize; 3] {
+        if firsts.len() != voxels.words().len() || lengths != [voxels.count().max(1) as usize; 3] {
             let why = format!("they are of {lengths:?} voxels in {} words", firsts.len());
             return Err(Error::invalid("the captured attributes", format!("{why}; {} are set", voxels.count())));
         }

@@ -1,29 +1,45 @@
-//! Solid voxelization of a whole grid in one pass: each surface flips the bits of all voxels behind it in its column.
+//! Voxelization of a whole grid in one pass: each surface flips the bits of all voxels behind it in its column, or sets
+//! the bit of the voxel that it crosses the column in.
 //!
-//! Source: Eisemann and Décoret 2008, "Single-Pass GPU Solid Voxelization for Real-Time Applications", sections 3 and 4:
-//! a column of voxels is the bits of a texel, and XOR leaves those set that lie behind an odd number of surfaces.
+//! Sources: Eisemann and Décoret 2006, "Fast Scene Voxelization and Applications", section 3: a column of voxels is the
+//! bits of a texel, and OR gathers those of surfaces; the same 2008, "Single-Pass GPU Solid Voxelization for Real-Time
+//! Applications", sections 3 and 4: XOR leaves those set that lie behind an odd number of surfaces.
 
 use ash::vk;
 
-use super::{Axis, Grid, VoxelBits, columns};
+use super::frustum::SIGHT;
+use super::{Axis, FrustumBits, FrustumGrid, Grid, VoxelBits, columns};
 use crate::Result;
-use crate::gpu::Feature;
-use crate::graph::{Graph, ImageHandle, ImageShape, Load, RasterPass};
+use crate::gpu::{Caps, Feature};
+use crate::graph::{BufferHandle, Graph, ImageHandle, ImageShape, Load, RasterPass};
 use crate::scene::{Faces, GpuScene};
 use crate::shader::generated::voxel::bitmask::{
     columns_vert, flip_bit_frag, flip_mask_frag, flip_targets_1_frag, flip_targets_2_frag, flip_targets_4_frag,
-    flip_targets_8_frag, gather_comp, prefix_comp,
+    flip_targets_8_frag, frustum_vert, gather_comp, prefix_comp,
 };
 use crate::shader::{ColorSlot, Program, Shader};
 
-/// Solid voxelization by XOR. Inside is what an odd number of surfaces lies before; for a solid whose surface is not
-/// closed, columns are wrong behind its holes.
+/// Voxelization by bits of columns: of solids by XOR, of surfaces by OR. Inside is what an odd number of surfaces lies
+/// before; for a solid whose surface is not closed, columns are wrong behind its holes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Bitmask {
     /// The axis to look along.
     pub axis: Axis,
-    /// How bits are flipped; all ways give the same bits.
+    /// How bits are combined; all ways give the same bits.
     pub combine: Combine,
+    /// Which voxels are set.
+    pub fill: Fill,
+}
+
+/// Which voxels are set.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Fill {
+    /// Those whose centres are inside of solids.
+    #[default]
+    Solid,
+    /// Those in which a surface crosses their column's centre line. Surfaces along the columns have gaps:
+    /// [`super::conservative::Conservative`] has none.
+    Surface,
 }
 
 /// How a surface flips the bits behind it.
@@ -67,44 +83,133 @@ const FLIP_TARGETS: [(&Shader, &[ColorSlot]); 4] = {
 };
 
 impl Bitmask {
-    /// Sets the voxels whose centres are inside.
+    /// Sets the voxels of a grid.
     ///
     /// # Errors
     /// [`crate::Error::Invalid`] where the device cannot bind so many bits at once.
     pub fn record<'f>(&self, graph: &mut Graph<'f>, scene: &'f GpuScene, grid: &Grid) -> Result<VoxelBits> {
-        let voxels = VoxelBits::new(graph, &self.axis.named("bits"), grid, self.axis)?;
-        let targets = grid.columns(self.axis)[2].div_ceil(IN_TARGET).next_power_of_two();
-        let caps = graph.caps();
-        let can = caps.has(Feature::LogicOp) && targets <= caps.limits.max_color_attachments;
-        Ok(match self.combine {
-            Combine::Bit => {
-                let flipped = flip(graph, scene, voxels, &flip_bit_frag::SHADER);
-                prefix(graph, flipped)
-            }
-            Combine::LogicOp if can => {
-                let masks = self.flip_targets(graph, scene, grid, targets);
-                gather(graph, voxels, &masks)
-            }
-            Combine::Masks | Combine::LogicOp => flip(graph, scene, voxels, &flip_mask_frag::SHADER),
-        })
+        let columns = Columns { grid: *grid, axis: self.axis, frustum: None };
+        let bits = self.combined(graph, scene, &columns)?;
+        Ok(VoxelBits { bits, grid: *grid, axis: self.axis })
     }
 
-    fn flip_targets<'f>(&self, graph: &mut Graph<'f>, scene: &'f GpuScene, grid: &Grid, targets: u32) -> ImageHandle {
-        let [width, height, _] = grid.columns(self.axis);
+    /// Sets the voxels of a camera's frustum; columns are lines of sight, whatever [`Bitmask::axis`] says. Inside is what an
+    /// odd number of surfaces lies behind: before it may be some that the camera, in a solid itself, cannot see.
+    ///
+    /// # Errors
+    /// As [`Bitmask::record`].
+    pub fn record_frustum<'f>(
+        &self,
+        graph: &mut Graph<'f>,
+        scene: &'f GpuScene,
+        frustum: &FrustumGrid,
+    ) -> Result<FrustumBits> {
+        let columns = Columns { grid: frustum.grid(), axis: SIGHT, frustum: Some(frustum) };
+        Ok(FrustumBits { bits: self.combined(graph, scene, &columns)?, frustum: *frustum })
+    }
+
+    fn combined<'f>(&self, graph: &mut Graph<'f>, scene: &'f GpuScene, columns: &Columns) -> Result<BufferHandle> {
+        let Columns { grid, axis, .. } = columns;
+        let VoxelBits { bits, .. } = VoxelBits::new(graph, &columns.named("bits"), grid, *axis)?;
+        let targets = grid.columns(*axis)[2].div_ceil(IN_TARGET).next_power_of_two();
+        let caps = graph.caps();
+        let can = caps.has(Feature::LogicOp) && targets <= caps.limits.max_color_attachments;
+        Ok(match (self.combine, self.fill) {
+            (Combine::LogicOp, fill) if can => {
+                let masks = columns.draw_targets(graph, scene, targets, fill);
+                columns.gather(graph, bits, &masks)
+            }
+            (Combine::Bit, Fill::Solid) => {
+                let flipped = columns.draw_bits(graph, scene, bits, &flip_bit_frag::SHADER, Fill::Solid);
+                columns.prefix(graph, flipped)
+            }
+            (_, Fill::Solid) => columns.draw_bits(graph, scene, bits, &flip_mask_frag::SHADER, Fill::Solid),
+            (_, Fill::Surface) => columns.draw_bits(graph, scene, bits, &flip_bit_frag::SHADER, Fill::Surface),
+        })
+    }
+}
+
+/// Where columns run.
+struct Columns<'g> {
+    /// Of a frustum in its own coordinates.
+    grid: Grid,
+    axis: Axis,
+    frustum: Option<&'g FrustumGrid>,
+}
+
+impl Columns<'_> {
+    fn named(&self, what: impl std::fmt::Display) -> String {
+        match self.frustum {
+            None => self.axis.named(what),
+            Some(_) => format!("voxel.frustum.{what}"),
+        }
+    }
+
+    fn program(&self, caps: &Caps, fragment: &'static Shader, fill: Fill) -> Program {
+        let vertex = if self.frustum.is_some() { &frustum_vert::SHADER } else { &columns_vert::SHADER };
+        columns::program(caps, vertex, fragment).constant(flip_bit_frag::SURFACE, fill == Fill::Surface)
+    }
+
+    fn bind(&self, pass: &mut RasterPass, scene: &GpuScene) {
+        columns::bind(pass, scene, &self.grid, self.axis);
+        if let Some(frustum) = self.frustum {
+            pass.uniform(frustum_vert::FRUSTUM, &frustum.block());
+        }
+    }
+
+    /// Combines bits of attachments.
+    fn draw_targets<'f>(&self, graph: &mut Graph<'f>, scene: &'f GpuScene, targets: u32, fill: Fill) -> ImageHandle {
+        let [width, height, _] = self.grid.columns(self.axis);
         let shape = ImageShape::new_2d(vk::Format::R32G32B32A32_UINT, [width, height]).layers(targets);
-        let masks = graph.image(self.axis.named("masks"), shape);
+        let masks = graph.image(self.named("masks"), shape);
         let layers = graph.split_layers(masks);
         let (shader, slots) = FLIP_TARGETS[targets.ilog2() as usize];
-        let program = Program {
-            logic_op: Some(vk::LogicOp::XOR),
-            ..columns::program(graph.caps(), &columns_vert::SHADER, shader)
-        };
-        let mut pass = graph.raster(self.axis.named("bitmask"), vec![program]);
-        columns::bind(&mut pass, scene, grid, self.axis);
+        let operation = if fill == Fill::Surface { vk::LogicOp::OR } else { vk::LogicOp::XOR };
+        let program = Program { logic_op: Some(operation), ..self.program(graph.caps(), shader, fill) };
+        let mut pass = graph.raster(self.named("bitmask"), vec![program]);
+        self.bind(&mut pass, scene);
         let attach = |(&slot, layer)| pass.color_uint(slot, layer, Load::Clear([0; 4]));
         let written = slots.iter().zip(layers).map(attach).collect();
         draw(pass, scene);
         graph.join(written).expect("a grid has voxels")
+    }
+
+    /// Combines bits of a buffer by atomics.
+    fn draw_bits<'f>(
+        &self,
+        graph: &mut Graph<'f>,
+        scene: &'f GpuScene,
+        bits: BufferHandle,
+        fragment: &'static Shader,
+        fill: Fill,
+    ) -> BufferHandle {
+        let [width, height, _] = self.grid.columns(self.axis);
+        let bits = graph.fill(self.named("clear"), bits, 0);
+        let program = self.program(graph.caps(), fragment, fill);
+        let mut pass = graph.raster(self.named("bitmask"), vec![program]);
+        pass.area([width, height]);
+        self.bind(&mut pass, scene);
+        let bits = pass.write(flip_bit_frag::BITS, bits);
+        draw(pass, scene);
+        bits
+    }
+
+    fn prefix(&self, graph: &mut Graph, bits: BufferHandle) -> BufferHandle {
+        let [width, height, _] = self.grid.columns(self.axis);
+        let mut pass = graph.compute(self.named("bitmask.prefix"), &prefix_comp::SHADER);
+        pass.uniform(prefix_comp::VOXEL_GRID, &self.grid.block(self.axis));
+        let bits = pass.write(prefix_comp::BITS, bits);
+        pass.dispatch([width * height, 1, 1]);
+        bits
+    }
+
+    fn gather(&self, graph: &mut Graph, bits: BufferHandle, masks: &ImageHandle) -> BufferHandle {
+        let [width, height, _] = self.grid.columns(self.axis);
+        let mut pass = graph.compute(self.named("bitmask.gather"), &gather_comp::SHADER);
+        pass.uniform(gather_comp::VOXEL_GRID, &self.grid.block(self.axis)).read(gather_comp::MASKS, masks);
+        let bits = pass.write(gather_comp::BITS, bits);
+        pass.dispatch([width, height, 1]);
+        bits
     }
 }
 
@@ -114,35 +219,4 @@ fn draw<'f>(pass: RasterPass<'_, 'f>, scene: &'f GpuScene) {
         scene.draw(recorder, Faces::Both, scene.draws.draws());
         Ok(())
     });
-}
-
-fn flip<'f>(graph: &mut Graph<'f>, scene: &'f GpuScene, voxels: VoxelBits, fragment: &'static Shader) -> VoxelBits {
-    let VoxelBits { bits, grid, axis } = voxels;
-    let [width, height, _] = grid.columns(axis);
-    let bits = graph.fill(axis.named("clear"), bits, 0);
-    let program = columns::program(graph.caps(), &columns_vert::SHADER, fragment);
-    let mut pass = graph.raster(axis.named("bitmask"), vec![program]);
-    pass.area([width, height]);
-    columns::bind(&mut pass, scene, &grid, axis);
-    let bits = pass.write(flip_bit_frag::BITS, bits);
-    draw(pass, scene);
-    VoxelBits { bits, grid, axis }
-}
-
-fn prefix(graph: &mut Graph, VoxelBits { bits, grid, axis }: VoxelBits) -> VoxelBits {
-    let [width, height, _] = grid.columns(axis);
-    let mut pass = graph.compute(axis.named("bitmask.prefix"), &prefix_comp::SHADER);
-    pass.uniform(prefix_comp::VOXEL_GRID, &grid.block(axis));
-    let bits = pass.write(prefix_comp::BITS, bits);
-    pass.dispatch([width * height, 1, 1]);
-    VoxelBits { bits, grid, axis }
-}
-
-fn gather(graph: &mut Graph, VoxelBits { bits, grid, axis }: VoxelBits, masks: &ImageHandle) -> VoxelBits {
-    let [width, height, _] = grid.columns(axis);
-    let mut pass = graph.compute(axis.named("bitmask.gather"), &gather_comp::SHADER);
-    pass.uniform(gather_comp::VOXEL_GRID, &grid.block(axis)).read(gather_comp::MASKS, masks);
-    let bits = pass.write(gather_comp::BITS, bits);
-    pass.dispatch([width, height, 1]);
-    VoxelBits { bits, grid, axis }
 }

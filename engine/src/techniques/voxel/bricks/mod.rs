@@ -3,7 +3,7 @@
 //! Source: Laine and Karras 2011, "Efficient Sparse Voxel Octrees", for the want; a grid of bricks and a rank of bits in
 //! place of a tree, as in Crassin, Neyret, Lefebvre and Eisemann 2009, "GigaVoxels", section 3.
 
-use super::ranks::Ranks;
+use super::ranks::{Count, Ranks};
 use super::{Axis, Grid, VoxelBits, cover};
 use crate::Result;
 use crate::graph::{BufferHandle, Graph};
@@ -45,6 +45,8 @@ pub struct BrickBits {
     pub firsts: BufferHandle,
     /// 16 words a brick: voxel (x, y, z) of it is bit `8 · (y % 4) + x` of word `2 · z + y / 4`.
     pub bricks: BufferHandle,
+    /// How many there are.
+    pub(super) count: Count,
 }
 
 /// By how much bricks are grown, beside what voxels are, in bricks: a brick too many does no harm, one too few does.
@@ -68,9 +70,10 @@ impl Bricks {
         cover::draw(pass, scene);
         let coarse = VoxelBits { bits, grid: coarse, axis };
         // 2. A place for each.
-        let Ranks { firsts, told, .. } = Ranks::record(graph, "voxel.bricks", &coarse)?;
+        let Ranks { firsts, count } = Ranks::of_grid(graph, "voxel.bricks", &coarse.bits, coarse.grid.words(axis));
         let size = 4 * BRICK_WORDS as u64;
-        let bricks = graph.buffer_after(&told, "voxel.bricks", move |total| size * u64::from(total[0].total.max(1)));
+        let bricks =
+            graph.buffer_after(&count.told, "voxel.bricks", move |total| size * u64::from(total[0].total.max(1)));
         let bricks = graph.fill("voxel.bricks.clear", bricks, 0);
         // 3. Their voxels.
         let fragment = match self.thickness {
@@ -82,7 +85,7 @@ impl Bricks {
         pass.read(touched_frag::BITS, &coarse.bits).read(touched_frag::FIRSTS, &firsts);
         let bricks = pass.write(touched_frag::BRICKS, bricks);
         cover::draw(pass, scene);
-        Ok(BrickBits { grid: *grid, coarse, firsts, bricks })
+        Ok(BrickBits { grid: *grid, coarse, firsts, bricks, count })
     }
 }
 

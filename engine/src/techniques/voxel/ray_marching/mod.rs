@@ -6,7 +6,7 @@
 use ash::vk;
 use glam::Vec3;
 
-use super::Occluders;
+use super::{Occluders, VoxelSet};
 use crate::Result;
 use crate::gpu::{Buffer, BufferInfo, Gpu, Memory};
 use crate::graph::{BufferHandle, Graph};
@@ -58,7 +58,12 @@ const ROW: u32 = 1 << 20;
 
 impl RayMarching {
     /// A word for each [`Segment`] of a buffer: 1 where it is blocked, 0 where one end sees the other.
-    pub fn record(&self, graph: &mut Graph, occluders: &Occluders, segments: &BufferHandle) -> BufferHandle {
+    pub fn record(
+        &self,
+        graph: &mut Graph,
+        occluders: &Occluders<impl VoxelSet>,
+        segments: &BufferHandle,
+    ) -> BufferHandle {
         let count = (segments.size() / size_of::<Segment>() as u64) as u32;
         let blocked = graph.buffer("voxel.blocked", 4 * u64::from(count.max(1)));
         let mut pass = graph.compute("voxel.ray_marching", &march_comp::SHADER);

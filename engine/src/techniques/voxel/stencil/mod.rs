@@ -8,10 +8,13 @@ use ash::vk;
 use super::{Axis, FillRule, Grid, VoxelBits, columns};
 use crate::Result;
 use crate::gpu::{Caps, Feature, stencil};
-use crate::graph::{Graph, ImageHandle, ImageShape, Load, RasterPass};
+use crate::graph::{BufferHandle, Graph, ImageHandle, ImageShape, Load, RasterPass};
 use crate::scene::{Faces, GpuScene};
 use crate::shader::Program;
-use crate::shader::generated::voxel::stencil::{gather_comp, slice_frag, slice_vert, slices_vert};
+use crate::shader::generated::blocks::{SlabPush, SlicePush};
+use crate::shader::generated::voxel::stencil::{
+    gather_comp, gather_tiles_comp, slice_frag, slice_vert, slices_vert, tiles_vert,
+};
 
 /// Solid voxelization by stencil. It draws the scene once for each slice: [`super::winding::Winding`] finds the same
 /// voxels in one pass. Winding numbers are counted modulo 256.
@@ -21,7 +24,7 @@ pub struct Stencil {
     pub axis: Axis,
     /// What is inside.
     pub rule: FillRule,
-    /// How slices are drawn; both ways give the same bits.
+    /// How slices are drawn. All ways give the same bits, but for [`Slices::Tiled`] where rounding decides.
     pub slices: Slices,
 }
 
@@ -32,6 +35,10 @@ pub enum Slices {
     /// layers in the vertex shader or has no cull distances, [`Slices::Separate`] stands in.
     #[default]
     Layered,
+    /// Into tiles of one attachment with a single layer, likewise. Depth is interpolated from another place of the image and
+    /// rounded otherwise: a centre within 1/128 voxel of a surface may be on the other side of it. Where the device has no cull distances, or its images are
+    /// too small for 32 tiles, [`Slices::Separate`] stands in.
+    Tiled,
     /// A pass each.
     Separate,
 }
@@ -42,6 +49,60 @@ const SLAB_BYTES: u32 = 32 << 20;
 /// Slices in a word of bits.
 const IN_WORD: u32 = 32;
 
+/// Slices that share an attachment.
+struct Slab {
+    /// In the column coordinates of the grid.
+    grid: Grid,
+    axis: Axis,
+    slices: Slices,
+    /// Most slices in it.
+    count: u32,
+    /// Tiles side by side.
+    across: u32,
+}
+
+impl Slab {
+    fn new(stencil: &Stencil, caps: &Caps, grid: &Grid) -> Self {
+        let [width, height, depth] = grid.columns(stencil.axis);
+        let [most_across, most_down] = [width, height].map(|n| caps.limits.max_image_dimension_2d / n);
+        let tiles = most_across.saturating_mul(most_down);
+        let cull = caps.has(Feature::CullDistance);
+        let slices = match stencil.slices {
+            Slices::Layered if cull && caps.has(Feature::LayerFromVertexShader) => Slices::Layered,
+            Slices::Tiled if cull && tiles >= IN_WORD => Slices::Tiled,
+            _ => Slices::Separate,
+        };
+        // Slabs are of whole words, the last one aside.
+        let most = if slices == Slices::Tiled { tiles } else { caps.limits.max_framebuffer_layers };
+        let most = most.min(SLAB_BYTES / (width * height));
+        let count = (most / IN_WORD * IN_WORD).clamp(IN_WORD, depth.next_multiple_of(IN_WORD)).min(depth);
+        // About as high as wide.
+        let square = (f64::from(count) * f64::from(height) / f64::from(width)).sqrt().ceil() as u32;
+        let across = square.max(count.div_ceil(most_down.max(1))).clamp(1, most_across.max(1));
+        Self { grid: *grid, axis: stencil.axis, slices, count, across }
+    }
+
+    fn shape(&self) -> ImageShape {
+        let [width, height, _] = self.grid.columns(self.axis);
+        let shape = |size| ImageShape::new_2d(vk::Format::S8_UINT, size);
+        match self.slices {
+            Slices::Tiled => shape([self.across * width, self.count.div_ceil(self.across) * height]),
+            Slices::Layered | Slices::Separate => shape([width, height]).layers(self.count),
+        }
+    }
+
+    /// Where a slice is drawn that is `place` slices behind the slab's first.
+    fn push(&self, slice: u32, place: u32) -> SlicePush {
+        let [width, height, _] = self.grid.columns(self.axis);
+        let [x, y] = match self.slices {
+            Slices::Tiled => [place % self.across * width, place / self.across * height],
+            Slices::Layered | Slices::Separate => [0; 2],
+        };
+        let area = self.shape().extent;
+        SlicePush { slice, layer: place, corner: [x, y], area: [area[0], area[1]] }
+    }
+}
+
 impl Stencil {
     /// Sets the voxels whose centres are inside.
     ///
@@ -49,49 +110,38 @@ impl Stencil {
     /// [`crate::Error::Invalid`] where the device cannot bind so many bits at once.
     pub fn record<'f>(&self, graph: &mut Graph<'f>, scene: &'f GpuScene, grid: &Grid) -> Result<VoxelBits> {
         let VoxelBits { mut bits, grid, axis } = VoxelBits::new(graph, &self.axis.named("bits"), grid, self.axis)?;
-        let [width, height, depth] = grid.columns(axis);
-
-        // Slabs of whole words share one stencil image.
-        let most = graph.caps().limits.max_framebuffer_layers.min(SLAB_BYTES / (width * height));
-        let slab = (most / IN_WORD * IN_WORD).clamp(IN_WORD, depth.next_multiple_of(IN_WORD)).min(depth);
-        let shape = ImageShape::new_2d(vk::Format::S8_UINT, [width, height]).layers(slab);
-        let mut layers = graph.image(axis.named("slices"), shape);
-
-        for first in (0..depth).step_by(slab as usize) {
+        let depth = grid.columns(axis)[2];
+        let slab = Slab::new(self, graph.caps(), &grid);
+        let mut stencil = graph.image(axis.named("slices"), slab.shape());
+        for first in (0..depth).step_by(slab.count as usize) {
             // 1. Count the surfaces before each slice.
-            let slices = slab.min(depth - first);
-            layers = self.count(graph, scene, &grid, layers, [first, first + slices]);
+            let end = depth.min(first + slab.count);
+            stencil = self.count(graph, scene, &slab, stencil, [first, end]);
             // 2. A bit for each count that is not 0.
-            let mut pass = graph.compute(axis.named(format_args!("stencil.gather.{first}")), &gather_comp::SHADER);
-            pass.uniform(gather_comp::VOXEL_GRID, &grid.block(axis)).read(gather_comp::STENCIL, &layers);
-            pass.push(&[first / IN_WORD, slices]);
-            bits = pass.write(gather_comp::BITS, bits);
-            pass.dispatch([width, height, slices.div_ceil(IN_WORD)]);
+            bits = gather(graph, &slab, bits, &stencil, [first, end]);
         }
         Ok(VoxelBits { bits, grid, axis })
     }
 
-    /// Draws the slices from `first` to `end` into the first layers.
+    /// Draws the slices from `first` to `end`.
     fn count<'f>(
         &self,
         graph: &mut Graph<'f>,
         scene: &'f GpuScene,
-        grid: &Grid,
-        layers: ImageHandle,
+        slab: &Slab,
+        stencil: ImageHandle,
         [first, end]: [u32; 2],
     ) -> ImageHandle {
-        let caps = graph.caps();
-        let can = caps.has(Feature::LayerFromVertexShader) && caps.has(Feature::CullDistance);
-        let layered = self.slices == Slices::Layered && can;
-        let program = self.program(caps, layered);
-        if layered {
+        let program = self.program(graph.caps(), slab.slices);
+        let [width, height, _] = slab.grid.columns(slab.axis);
+        if slab.slices != Slices::Separate {
             let mut pass = graph.raster(self.axis.named(format_args!("stencil.{first}")), vec![program]);
-            columns::bind(&mut pass, scene, grid, self.axis);
-            let layers = pass.stencil(layers, Load::Clear(0));
-            draw(pass, scene, (first..end).map(|slice| [slice, slice - first]).collect());
-            return layers;
+            columns::bind(&mut pass, scene, &slab.grid, slab.axis);
+            let stencil = pass.stencil(stencil, Load::Clear(0));
+            draw(pass, scene, [width, height], (first..end).map(|slice| slab.push(slice, slice - first)).collect());
+            return stencil;
         }
-        let parts = graph.split_layers(layers).into_iter().enumerate();
+        let parts = graph.split_layers(stencil).into_iter().enumerate();
         let drawn = parts.map(|(layer, part)| {
             // The last slab may fill but some of the layers.
             let slice = first + layer as u32;
@@ -99,17 +149,21 @@ impl Stencil {
                 return part;
             }
             let mut pass = graph.raster(self.axis.named(format_args!("stencil.{slice}")), vec![program.clone()]);
-            columns::bind(&mut pass, scene, grid, self.axis);
+            columns::bind(&mut pass, scene, &slab.grid, slab.axis);
             let part = pass.stencil(part, Load::Clear(0));
-            draw(pass, scene, vec![[slice, 0]]);
+            draw(pass, scene, [width, height], vec![slab.push(slice, 0)]);
             part
         });
         let drawn = drawn.collect();
         graph.join(drawn).expect("a slab has layers")
     }
 
-    fn program(&self, caps: &Caps, layered: bool) -> Program {
-        let vertex = if layered { &slices_vert::SHADER } else { &slice_vert::SHADER };
+    fn program(&self, caps: &Caps, slices: Slices) -> Program {
+        let vertex = match slices {
+            Slices::Layered => &slices_vert::SHADER,
+            Slices::Tiled => &tiles_vert::SHADER,
+            Slices::Separate => &slice_vert::SHADER,
+        };
         let [front, back] = match self.rule {
             FillRule::NonZero => [vk::StencilOp::INCREMENT_AND_WRAP, vk::StencilOp::DECREMENT_AND_WRAP],
             FillRule::EvenOdd => [vk::StencilOp::INVERT; 2],
@@ -118,10 +172,38 @@ impl Stencil {
     }
 }
 
-/// Draws every triangle of the scene, whichever way it faces, once for each slice and its layer.
-fn draw<'f>(pass: RasterPass<'_, 'f>, scene: &'f GpuScene, slices: Vec<[u32; 2]>) {
+/// Sets a bit for each count of a slab that is not 0.
+fn gather(
+    graph: &mut Graph,
+    slab: &Slab,
+    bits: BufferHandle,
+    stencil: &ImageHandle,
+    [first, end]: [u32; 2],
+) -> BufferHandle {
+    let tiled = slab.slices == Slices::Tiled;
+    let shader = if tiled { &gather_tiles_comp::SHADER } else { &gather_comp::SHADER };
+    let [width, height, _] = slab.grid.columns(slab.axis);
+    let mut pass = graph.compute(slab.axis.named(format_args!("stencil.gather.{first}")), shader);
+    pass.uniform(gather_comp::VOXEL_GRID, &slab.grid.block(slab.axis)).push(&SlabPush {
+        first_word: first / IN_WORD,
+        slices: end - first,
+        across: slab.across,
+    });
+    if tiled {
+        pass.read(gather_tiles_comp::STENCIL, stencil);
+    } else {
+        pass.read(gather_comp::STENCIL, stencil);
+    }
+    let bits = pass.write(gather_comp::BITS, bits);
+    pass.dispatch([width, height, (end - first).div_ceil(IN_WORD)]);
+    bits
+}
+
+/// Draws every triangle of the scene, whichever way it faces, once for each slice, and keeps it in its tile.
+fn draw<'f>(pass: RasterPass<'_, 'f>, scene: &'f GpuScene, tile: [u32; 2], slices: Vec<SlicePush>) {
     pass.draw(move |recorder| {
         for slice in &slices {
+            recorder.scissor(slice.corner, tile);
             recorder.push(slice);
             scene.draw(recorder, Faces::Both, scene.draws.draws());
         }

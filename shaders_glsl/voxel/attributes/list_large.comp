@@ -1,0 +1,4 @@
+#version 460
+#define PAIR_ACCESS writeonly
+#include "common/surface_voxels_large.glsl"
+#include "voxel/attributes/list_pairs.glsl"
