@@ -36,6 +36,7 @@ pub(super) fn gather(pending: &mut AllPending, schedule: &Schedule, crossings: &
                 _ => {
                     *last = Some(barrier.at);
                     if !orders {
+                        places.reserve(if places.is_empty() { schedule.nodes.len() } else { 0 });
                         places.push(barrier.at);
                     }
                 }

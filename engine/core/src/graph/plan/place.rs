@@ -148,7 +148,8 @@ fn lower_bound(items: &[Item], blocks: &[Block]) -> u64 {
 /// Finds out whose memory each item takes over, byte by byte the last one that had it.
 fn tenants(items: &[Item], blocks: &[Block], offsets: &[u64], earlier: &mut Vec<[ResourceId; 2]>) {
     // Memory by its start: where it begins and ends, and who had it last.
-    let mut memory: Vec<(u64, u64, ResourceId)> = Vec::new();
+    let mut memory: Vec<(u64, u64, ResourceId)> = Vec::with_capacity(items.len());
+    earlier.reserve(items.len());
     let births = BySteps::new(blocks, |block| block.steps[0]);
     for &index in births.all() {
         let resource = items[index as usize].resource;
