@@ -4,7 +4,8 @@
 //!   the order `[slice][row][column]`.
 //! - A voxel is inside where an odd number of crossings lies beyond its centre on the line through its pixel's centre.
 //! - It is on the surface where a crossing lies in it; a slice holds its farther end.
-//! - The line's test against an edge gives exactly opposite values for the two triangles that share it.
+//! - The line's test against an edge gives exactly opposite values for the two triangles that share it, so a closed surface
+//!   is crossed an even number of times.
 
 use glam::{DMat3, DVec3, DVec4};
 use shadowgraph::scene::Scene;
@@ -159,13 +160,13 @@ fn crossing(triangle: &[DVec3; 3], line: &Line) -> Option<f64> {
     Some(if t.is_finite() { t } else { corners[0].dot(line.direction) / line.direction.length_squared() })
 }
 
-/// Which side of an edge a line from the origin passes, and the volume they span. The edge is taken in one direction
-/// whichever triangle asks.
+/// Which side of an edge a line from the origin passes, and the volume they span: exactly opposite ones for the two
+/// triangles that share it. A line through an edge or a corner is taken as turned by less than anything, and always alike.
 fn side(a: DVec3, b: DVec3, direction: DVec3) -> (bool, f64) {
-    let turned = a.to_array() > b.to_array();
-    let (from, to) = if turned { (b, a) } else { (a, b) };
-    let volume = from.cross(to).dot(direction);
-    if turned { (volume < 0.0, -volume) } else { (volume >= 0.0, volume) }
+    let across = a.cross(b);
+    let turns = [direction, DVec3::new(0.3, 0.5, 0.8), DVec3::new(0.7, -0.4, 0.1)].map(|turn| across.dot(turn));
+    let decides = turns.into_iter().find(|&volume| volume != 0.0);
+    (decides.is_some_and(|volume| volume > 0.0), turns[0])
 }
 
 #[cfg(test)]
