@@ -94,9 +94,11 @@ fn manifest(engine: &Path, core: &Path) -> String {
 
 /// The tables of a workspace's manifest that say how to compile dependencies.
 fn profile(manifest: &str) -> String {
-    let tables = manifest
-        .split("\n[")
-        .filter(|table| table.starts_with("profile.dev]") || table.starts_with("profile.dev.package.\"*\"]"));
+    let of_dependencies = |table: &&str| match table.strip_prefix("profile.dev.package.") {
+        Some(package) => !package.starts_with("shadowgraph") && !package.starts_with("xtask"),
+        None => table.starts_with("profile.dev]"),
+    };
+    let tables = manifest.split("\n[").filter(of_dependencies);
     tables.map(|table| format!("\n[{table}")).collect::<String>() + "\n"
 }
 
@@ -107,8 +109,11 @@ mod tests {
     #[test]
     fn the_profile_of_dependencies_is_taken() {
         let manifest = "[workspace]\n\n[profile.release]\ndebug = 1\n\n[profile.dev]\nopt-level = 2\n\n\
-            [profile.dev.package.\"*\"]\ndebug = false\n\n[profile.dev.package.xtask]\nopt-level = 0\n";
+            [profile.dev.package.\"*\"]\ndebug = false\n\n[profile.dev.package.xtask]\nopt-level = 0\n\n\
+            [profile.dev.package.exr]\nopt-level = 3\n";
         let profile = profile(manifest);
-        assert_eq!(profile, "\n[profile.dev]\nopt-level = 2\n\n[profile.dev.package.\"*\"]\ndebug = false\n\n");
+        let expected = "\n[profile.dev]\nopt-level = 2\n\n[profile.dev.package.\"*\"]\ndebug = false\n\n\
+            [profile.dev.package.exr]\nopt-level = 3\n\n";
+        assert_eq!(profile, expected);
     }
 }
