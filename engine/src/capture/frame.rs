@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::png::BLOCK;
 use super::{Capture, Channel, Content, HalfReport, Metadata, Part, SampleKind, Samples, Texels};
 use crate::frame::{Frame, Layer, Samples as Stored, Source};
 use crate::gpu::Caps;
@@ -9,9 +10,6 @@ use crate::graph::Executed;
 use crate::parallel;
 use crate::scene::{Camera, Scene, View};
 use crate::{Error, Result};
-
-/// Pixels of a picture that one core takes at a time.
-const BLOCK: usize = 1 << 15;
 
 /// Layers of radiance: exposure applies to them.
 const RADIANCE: [&str; 3] = ["color", "direct", "emissive"];

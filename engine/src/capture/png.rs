@@ -11,8 +11,8 @@ use super::write_atomically;
 use crate::gpu::linear_from_srgb;
 use crate::{Error, Result, parallel};
 
-/// Pixels that one core takes at a time.
-const BLOCK: usize = 1 << 15;
+/// Pixels of a picture that one core takes at a time.
+pub(super) const BLOCK: usize = 1 << 15;
 
 /// How linear radiance becomes 8 bits.
 #[derive(Clone, Copy, Debug, PartialEq)]

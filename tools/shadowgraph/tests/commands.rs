@@ -112,7 +112,12 @@ fn info_names_device_and_driver() {
     let info: serde_json::Value = serde_json::from_str(&stdout(&succeeds(&folder, &["info", "--json"]))).unwrap();
     let driver = info["device"]["driver_info"].as_str().unwrap();
     assert!(!driver.is_empty());
-    assert!(stdout(&succeeds(&folder, &["info"])).contains(driver));
+    let table = stdout(&succeeds(&folder, &["info"]));
+    assert!(table.contains(driver));
+    // Features by Vulkan's names, as in the table.
+    let features = info["device"]["features"].as_array().unwrap();
+    assert!(!features.is_empty());
+    assert!(features.iter().all(|feature| table.contains(feature.as_str().unwrap())), "{features:?} in {table}");
 }
 
 #[test]

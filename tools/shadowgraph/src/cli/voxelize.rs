@@ -14,8 +14,9 @@ use crate::arguments::{self, Resolution, SceneSource};
 #[command(after_help = "\
 A voxel is set where its centre is inside a solid (bitmask, stencil, winding), where a triangle touches it \
 (conservative), where it is needed to separate a surface's sides (six-separating), or where a texel of the surface's \
-atlas lies in it (atlas). bitmask --surface sets those in which a surface crosses the line through their column. Arrays are indexed [z,y,x]. Beside the file a .json says where the voxels are: voxel (i,j,k) \
-has its centre at min + (i+1/2, j+1/2, k+1/2) * voxel_edge.
+atlas lies in it (atlas). bitmask --surface sets those in which a surface crosses the line through their column. \
+Arrays are indexed [z,y,x]. Beside the file a .json says where the voxels are: voxel (i,j,k) has its centre at \
+min + (i+1/2, j+1/2, k+1/2) * voxel_edge.
 
 Examples:
   shadowgraph voxelize scene.glb --resolution 256 -o scene.npy
@@ -74,8 +75,9 @@ pub struct VoxelizeArguments {
     /// emission as channels of an .exr or fields of a .sparse.npy
     #[arg(long)]
     pub attributes: bool,
-    /// The file to write; its name says the format: .npy, .packed.npy or .sparse.npy (NumPy), .binvox, .vox (MagicaVoxel), .exr (a part
-    /// a slice), .glb (a mesh to look at), .png (a picture of slices). What it means is written beside it, as .json
+    /// The file to write; its name says the format: .npy, .packed.npy or .sparse.npy (NumPy), .binvox, .vox
+    /// (MagicaVoxel), .exr (a part a slice), .glb (a mesh to look at), .png (a picture of slices). What it means is written
+    /// beside it, as .json
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Print one JSON object: what the .json file has, times and memory

@@ -4,6 +4,7 @@ use ash::vk::{AccessFlags2 as Mask, ImageLayout as Layout, PipelineStageFlags2 a
 
 use super::history::{At, Group, History, Schedule};
 use super::lifetimes::Lifetimes;
+use super::lists::Lists;
 use super::place::Placed;
 use super::queues::{Crossing, Families, Reliance};
 use super::stages::{any, both, earliest, latest, set, with_later, without};
@@ -43,15 +44,8 @@ impl AllPending {
     /// Puts them in order again. `steps`: how many there are.
     pub(super) fn sort(&mut self, steps: usize) {
         let place = |barrier: &Pending| 2 * barrier.at.place(steps) + usize::from(barrier.release);
-        let mut next = vec![0; 2 * (steps + 2) + 1];
-        self.list.iter().for_each(|barrier| next[place(barrier) + 1] += 1);
-        (1..next.len()).for_each(|place| next[place] += next[place - 1]);
-        self.order.resize(self.list.len(), 0);
-        for (index, barrier) in self.list.iter().enumerate() {
-            let next: &mut u32 = &mut next[place(barrier)];
-            self.order[*next as usize] = index as u32;
-            *next += 1;
-        }
+        let places = (0..).zip(&self.list).map(|(index, barrier)| (place(barrier), index));
+        self.order = Lists::new(2 * (steps + 2), places).into_all();
     }
 }
 
@@ -193,7 +187,7 @@ impl Found {
         let (mut readers, mut semaphores) = (Stages::NONE, Vec::new());
         let mut old: Option<(At, ResourceId)> = None;
         let start = self.pending.len();
-        for tenant in placed.earlier(resource) {
+        for &tenant in placed.earlier(resource) {
             for group in context.versions.cells.of(tenant).filter_map(|cell| context.history.of(cell).last()) {
                 old = old.max(Some((group.last, tenant)));
                 let done = || !is_image && context.lifetimes.is_done(group.last, group.queue, first.first);

@@ -1,5 +1,6 @@
 //! Which pass must come before which: per cell, the users of an epoch stand between its writers and the next ones.
 
+use super::lists::Lists;
 use super::versions::Versions;
 use crate::graph::description::{Description, VersionId};
 
@@ -18,24 +19,18 @@ pub(super) struct Event {
 }
 
 /// Uses of all cells, by cell and time.
-pub(super) struct Events {
-    /// By cell, then the total.
-    first: Vec<u32>,
-    list: Vec<Event>,
-}
+pub(super) struct Events(Lists<Event>);
 
 impl Events {
     /// Of all passes and read-backs, as far as their versions are known.
     pub(super) fn new(description: &Description, versions: &Versions) -> Self {
-        // 1. In recorded order, and how many each cell has.
-        let cells = versions.cells.len();
-        let mut first = vec![0; cells + 1];
-        let mut recorded: Vec<(u32, Event)> = Vec::with_capacity(versions.cells.slot_count() + description.roots.len());
+        // 1. In recorded order.
+        let most = versions.cells.slot_count() + description.roots.len();
+        let mut recorded: Vec<(usize, Event)> = Vec::with_capacity(most);
         let mut add = |node: Node, used: u32, version: VersionId, writes: bool| {
             for slot in versions.cells.slots(version.0 as usize) {
                 let (cell, time) = (versions.cells.cell(slot), 2 * versions.epoch[slot] + u32::from(writes));
-                first[cell as usize + 1] += 1;
-                recorded.push((cell, Event { time, node, used }));
+                recorded.push((cell as usize, Event { time, node, used }));
             }
         };
         for (node, pass) in description.passes.iter().enumerate() {
@@ -52,37 +47,29 @@ impl Events {
         }
 
         // 2. By cell, and there by time: most come in order.
-        (0..cells).for_each(|cell| first[cell + 1] += first[cell]);
-        let mut list = vec![Event { time: 0, node: 0, used: 0 }; recorded.len()];
-        let mut next = first.clone();
-        for (cell, event) in recorded {
-            let place = &mut next[cell as usize];
-            list[*place as usize] = event;
-            *place += 1;
-        }
-        let mut events = Self { first, list };
-        (0..cells as u32).for_each(|cell| events.sort(cell, |event| event.time));
+        let mut events = Self(Lists::new(versions.cells.len(), recorded.iter().copied()));
+        (0..events.cells()).for_each(|cell| events.sort(cell, |event| event.time));
         events
     }
 
     /// Number of all.
     pub(super) fn len(&self) -> usize {
-        self.list.len()
+        self.0.all().len()
     }
 
     /// Number of cells.
     pub(super) fn cells(&self) -> u32 {
-        self.first.len() as u32 - 1
+        self.0.count() as u32
     }
 
     /// Of one cell, in order.
     pub(super) fn of(&self, cell: u32) -> &[Event] {
-        &self.list[self.first[cell as usize] as usize..self.first[cell as usize + 1] as usize]
+        self.0.of(cell as usize)
     }
 
     /// Puts those of one cell in order, where they are not; events that are alike stay as they are.
     pub(super) fn sort(&mut self, cell: u32, key: impl Fn(&Event) -> u32) {
-        let events = &mut self.list[self.first[cell as usize] as usize..self.first[cell as usize + 1] as usize];
+        let events = self.0.of_mut(cell as usize);
         if !events.is_sorted_by_key(&key) {
             events.sort_by_key(&key);
         }
@@ -90,27 +77,14 @@ impl Events {
 
     /// Leaves out what does not run.
     pub(super) fn retain(&mut self, runs: impl Fn(Node) -> bool) {
-        let (mut kept, mut begin) = (0, 0);
-        for cell in 1..self.first.len() {
-            let end = self.first[cell] as usize;
-            for index in begin..end {
-                if runs(self.list[index].node) {
-                    self.list[kept] = self.list[index];
-                    kept += 1;
-                }
-            }
-            (begin, self.first[cell]) = (end, kept as u32);
-        }
-        self.list.truncate(kept);
+        self.0.retain(|_, event| runs(event.node));
     }
 }
 
 /// Who waits for whom.
 pub(super) struct Dependencies {
-    /// By node, then the total.
-    first: Vec<u32>,
-    /// Who waits for the node, and for a use of which cell.
-    after: Vec<(Node, u32)>,
+    /// By node: who waits for it, and for a use of which cell.
+    after: Lists<(Node, u32)>,
     /// Whether nodes wait only for those recorded before them.
     forward: bool,
 }
@@ -119,8 +93,7 @@ impl Dependencies {
     /// From events in order. `nodes`: how many there are.
     pub(super) fn new(events: &Events, nodes: usize) -> Self {
         // 1. The users of one time wait for those of the time before.
-        let mut edges: Vec<(Node, Node, u32)> = Vec::with_capacity(events.len());
-        let mut counts = vec![0; nodes + 1];
+        let mut edges: Vec<(usize, (Node, u32))> = Vec::with_capacity(events.len());
         let mut forward = true;
         for cell in 0..events.cells() {
             let mut sets = events.of(cell).chunk_by(|a, b| a.time == b.time);
@@ -129,8 +102,7 @@ impl Dependencies {
                 for from in earlier {
                     for to in later.iter().filter(|to| to.node != from.node) {
                         forward &= from.node < to.node;
-                        counts[from.node as usize + 1] += 1;
-                        edges.push((from.node, to.node, cell));
+                        edges.push((from.node as usize, (to.node, cell)));
                     }
                 }
                 earlier = later;
@@ -138,34 +110,21 @@ impl Dependencies {
         }
 
         // 2. By node, each once, for the first cell that asks for it.
-        (0..nodes).for_each(|node| counts[node + 1] += counts[node]);
-        let mut sorted = vec![(0, 0); edges.len()];
-        let mut next = counts.clone();
-        for (from, to, cell) in edges {
-            let place = &mut next[from as usize];
-            sorted[*place as usize] = (to, cell);
-            *place += 1;
-        }
-        let mut after = Vec::with_capacity(sorted.len());
-        let mut first = vec![0; nodes + 1];
-        for node in 0..nodes {
-            let mine = &mut sorted[counts[node] as usize..counts[node + 1] as usize];
-            mine.sort_unstable();
-            mine.chunk_by(|a, b| a.0 == b.0).for_each(|alike| after.push(alike[0]));
-            first[node + 1] = after.len() as u32;
-        }
-        Self { first, after, forward }
+        let mut after = Lists::new(nodes, edges.iter().copied());
+        (0..nodes).for_each(|node| after.of_mut(node).sort_unstable());
+        after.retain(|last, (to, _)| last.is_none_or(|(last, _)| last != to));
+        Self { after, forward }
     }
 
     /// Who waits for a node, and for a use of which cell.
     pub(super) fn after(&self, node: Node) -> &[(Node, u32)] {
-        &self.after[self.first[node as usize] as usize..self.first[node as usize + 1] as usize]
+        self.after.of(node as usize)
     }
 
     /// How many nodes each node waits for.
     pub(super) fn counts(&self) -> Vec<u32> {
-        let mut counts = vec![0; self.first.len() - 1];
-        for (to, _) in &self.after {
+        let mut counts = vec![0; self.after.count()];
+        for (to, _) in self.after.all() {
             counts[*to as usize] += 1;
         }
         counts

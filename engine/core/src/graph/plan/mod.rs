@@ -10,6 +10,7 @@ mod device;
 mod gather;
 mod history;
 mod lifetimes;
+mod lists;
 mod memo;
 mod order;
 mod output;

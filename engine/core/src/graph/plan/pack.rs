@@ -10,6 +10,10 @@
 //! It stops where the lower bound is reached, or a fixed amount of work is done. No clock and no chance decides: the
 //! same blocks come to lie at the same places.
 
+use std::cmp::Reverse;
+
+use super::lists::Lists;
+
 /// A block to place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Block {
@@ -72,62 +76,30 @@ pub(super) fn pack(blocks: &[Block], bound: u64, conflict: Option<&dyn Fn(usize,
 
 /// Blocks by the steps at which their lives begin and end, the largest first.
 struct Lives {
-    begin: BySteps,
-    end: BySteps,
+    begin: Lists<u32>,
+    end: Lists<u32>,
 }
 
 impl Lives {
     fn new(blocks: &[Block]) -> Self {
-        let [mut begin, mut end] = [0, 1].map(|side| BySteps::new(blocks, |block| block.steps[side]));
+        let [mut begin, mut end] = [0, 1].map(|side| by_step(blocks, side));
         if blocks.iter().any(|block| block.size != blocks[0].size) {
-            begin.sort_by_size(blocks);
-            end.sort_by_size(blocks);
+            sort_by_size(&mut begin, blocks);
+            sort_by_size(&mut end, blocks);
         }
         Self { begin, end }
     }
 }
 
-/// Blocks by a step of each.
-pub(super) struct BySteps {
-    /// By step, then the total.
-    first: Vec<u32>,
-    list: Vec<u32>,
+/// Blocks by their first step, or by their last one (`side` 1).
+pub(super) fn by_step(blocks: &[Block], side: usize) -> Lists<u32> {
+    let steps = blocks.iter().map(|block| block.steps[1] as usize + 1).max().unwrap_or(0);
+    Lists::new(steps, (0..).zip(blocks).map(|(index, block)| (block.steps[side] as usize, index)))
 }
 
-impl BySteps {
-    /// Those of one step by their number.
-    pub(super) fn new(blocks: &[Block], step: impl Fn(&Block) -> u32) -> Self {
-        let steps = blocks.iter().map(|block| block.steps[1] as usize + 1).max().unwrap_or(0);
-        let mut first = vec![0; steps + 1];
-        blocks.iter().for_each(|block| first[step(block) as usize + 1] += 1);
-        (0..steps).for_each(|step| first[step + 1] += first[step]);
-        let (mut list, mut next) = (vec![0; blocks.len()], first.clone());
-        for (index, block) in blocks.iter().enumerate() {
-            let place = &mut next[step(block) as usize];
-            list[*place as usize] = index as u32;
-            *place += 1;
-        }
-        Self { first, list }
-    }
-
-    /// Blocks in order.
-    pub(super) fn all(&self) -> &[u32] {
-        &self.list
-    }
-
-    fn steps(&self) -> usize {
-        self.first.len() - 1
-    }
-
-    fn at(&self, step: usize) -> &[u32] {
-        &self.list[self.first[step] as usize..self.first[step + 1] as usize]
-    }
-
-    fn sort_by_size(&mut self, blocks: &[Block]) {
-        for step in 0..self.steps() {
-            let mine = &mut self.list[self.first[step] as usize..self.first[step + 1] as usize];
-            mine.sort_unstable_by_key(|&index| (std::cmp::Reverse(blocks[index as usize].size), index));
-        }
+fn sort_by_size(lists: &mut Lists<u32>, blocks: &[Block]) {
+    for step in 0..lists.count() {
+        lists.of_mut(step).sort_unstable_by_key(|&index| (Reverse(blocks[index as usize].size), index));
     }
 }
 
@@ -136,16 +108,16 @@ fn sweep(blocks: &[Block], lives: &Lives, backwards: bool, tightest: bool) -> Pa
     let (births, deaths) = if backwards { (&lives.end, &lives.begin) } else { (&lives.begin, &lives.end) };
     let mut free = Free { gaps: vec![[0, u64::MAX]] };
     let mut packing = Packing { end: 0, offsets: vec![0; blocks.len()] };
-    let steps = births.steps();
+    let steps = births.count();
     for step in 0..steps {
         let step = if backwards { steps - 1 - step } else { step };
-        for &index in births.at(step) {
+        for &index in births.of(step) {
             let block = &blocks[index as usize];
             let offset = free.take(block.size, block.alignment, tightest);
             packing.offsets[index as usize] = offset;
             packing.end = packing.end.max(offset + block.size);
         }
-        for &index in deaths.at(step) {
+        for &index in deaths.of(step) {
             let start = packing.offsets[index as usize];
             free.give([start, start + blocks[index as usize].size]);
         }
@@ -195,11 +167,7 @@ impl Free {
 }
 
 /// Which blocks may not share memory with which.
-struct Conflicts {
-    /// By block, then the total.
-    first: Vec<u32>,
-    others: Vec<u32>,
-}
+struct Conflicts(Lists<u32>);
 
 impl Conflicts {
     /// `None` where there are too many pairs to look at.
@@ -221,14 +189,11 @@ impl Conflicts {
             }
         }
         pairs.sort_unstable();
-        let mut first = vec![0; blocks.len() + 1];
-        pairs.iter().for_each(|[one, _]| first[*one as usize + 1] += 1);
-        (0..blocks.len()).for_each(|index| first[index + 1] += first[index]);
-        Some(Self { first, others: pairs.into_iter().map(|[_, other]| other).collect() })
+        Some(Self(Lists::new(blocks.len(), pairs.iter().map(|&[one, other]| (one as usize, other)))))
     }
 
     fn of(&self, block: u32) -> &[u32] {
-        &self.others[self.first[block as usize] as usize..self.first[block as usize + 1] as usize]
+        self.0.of(block as usize)
     }
 
     /// Places blocks in this order, each as low as those before it allow.
@@ -288,7 +253,7 @@ fn search(
     bound: u64,
     mut best: Packing,
 ) -> Packing {
-    let rounds = WORK / (conflicts.others.len() + blocks.len()).max(1) / orders.len().max(1);
+    let rounds = WORK / (conflicts.0.all().len() + blocks.len()).max(1) / orders.len().max(1);
     let mut random = Random(0x9e37_79b9_7f4a_7c15);
     for (_, order) in orders {
         let mut order = order.clone();

@@ -1,7 +1,8 @@
 //! Where transients lie: which share a heap, where each lies in it, and whose memory it takes over.
 
 use super::lifetimes::Lifetimes;
-use super::pack::{Block, BySteps, pack};
+use super::lists::Lists;
+use super::pack::{Block, by_step, pack};
 use super::{DeviceModel, Heap, Placement, Requirements};
 use crate::graph::description::{Description, ResourceId, Shape};
 
@@ -11,10 +12,8 @@ pub(super) struct Placed {
     /// By resource.
     pub(super) placements: Vec<Placement>,
     pub(super) heaps: Vec<Heap>,
-    /// Resources, each with those whose memory it takes over; ascending.
-    earlier: Vec<[ResourceId; 2]>,
-    /// By resource, then the total: where its own begin.
-    first_earlier: Vec<u32>,
+    /// By resource: those whose memory it takes over, ascending.
+    earlier: Lists<ResourceId>,
     /// Sum of the heaps' lower bounds.
     pub(super) lower_bound: u64,
     /// Bytes if nothing shared memory.
@@ -23,10 +22,8 @@ pub(super) struct Placed {
 
 impl Placed {
     /// Those whose memory a resource takes over.
-    pub(super) fn earlier(&self, resource: ResourceId) -> impl Iterator<Item = ResourceId> {
-        let places = self.first_earlier.get(resource.0 as usize..resource.0 as usize + 2);
-        let places = places.map_or(0..0, |places| places[0] as usize..places[1] as usize);
-        self.earlier[places].iter().map(|pair| pair[1])
+    pub(super) fn earlier(&self, resource: ResourceId) -> &[ResourceId] {
+        self.earlier.of(resource.0 as usize)
     }
 }
 
@@ -44,7 +41,7 @@ pub(super) fn place(
     requirements: &[Option<Requirements>],
     lifetimes: &Lifetimes,
 ) -> Placed {
-    let mut placed = Placed::default();
+    let (mut placed, mut earlier) = (Placed::default(), Vec::new());
     let mut groups = by_memory_type(requirements, lifetimes);
     groups.reverse();
     while let Some((type_bits, mut resources)) = groups.pop() {
@@ -70,7 +67,7 @@ pub(super) fn place(
         placed.heaps.push(Heap { size: end, alignment, type_bits });
         placed.lower_bound += lower_bound;
         placed.unaliased += items.iter().map(|item| item.bytes).sum::<u64>();
-        tenants(&items, &blocks, &offsets, &mut placed.earlier);
+        tenants(&items, &blocks, &offsets, &mut earlier);
         placed.placements.extend(items.iter().zip(&blocks).zip(&offsets).map(|((item, block), &offset)| Placement {
             resource: item.resource,
             heap,
@@ -80,12 +77,10 @@ pub(super) fn place(
         }));
     }
     placed.placements.sort_unstable_by_key(|placement| placement.resource);
-    placed.earlier.sort_unstable();
-    placed.earlier.dedup();
-    placed.first_earlier = vec![0; requirements.len() + 1];
-    placed.earlier.iter().for_each(|[resource, _]| placed.first_earlier[resource.0 as usize + 1] += 1);
-    (0..requirements.len()).for_each(|index| placed.first_earlier[index + 1] += placed.first_earlier[index]);
-    placed
+    earlier.sort_unstable();
+    earlier.dedup();
+    let pairs = earlier.iter().map(|&[resource, earlier]: &[ResourceId; 2]| (resource.0 as usize, earlier));
+    Placed { earlier: Lists::new(requirements.len(), pairs), ..placed }
 }
 
 /// Resources that can lie in one heap, with the memory types that suit all of them.
@@ -150,7 +145,7 @@ fn tenants(items: &[Item], blocks: &[Block], offsets: &[u64], earlier: &mut Vec<
     // Memory by its start: where it begins and ends, and who had it last.
     let mut memory: Vec<(u64, u64, ResourceId)> = Vec::with_capacity(items.len());
     earlier.reserve(items.len());
-    let births = BySteps::new(blocks, |block| block.steps[0]);
+    let births = by_step(blocks, 0);
     for &index in births.all() {
         let resource = items[index as usize].resource;
         let start = offsets[index as usize];

@@ -62,8 +62,9 @@ impl ABuffer {
             let name = format!("{NAME}.{index}");
             let frame = told.frame(graph, depth.size(), index);
             let scanned = scan(graph, &name, &count, frame);
-            let draw = in_band(told.clone(), index, depth.size()[0], fragments.draw(filling(graph, fragments)));
-            let arrays = self.fill(graph, name, (scanned, frame, frame), (depth, fragments, draw), &count, room);
+            let (told, width) = (told.clone(), depth.size()[0]);
+            let within = move |draw| in_band(told, index, width, draw);
+            let arrays = self.fill(graph, name, (scanned, frame, frame), (depth, fragments, within), &count, room);
             (onto, room) = self.over(graph, view, arrays, onto);
         }
         let Resolved { color, report, front } = onto;
@@ -87,9 +88,8 @@ impl ABuffer {
         let told = Told::Totals(totals.clone());
         let room = self.room(graph, name, &told, size);
         let frame = told.frame(graph, size, 0);
-        let draw = fragments.draw(filling(graph, fragments));
         let frames = (scanned, counted, frame);
-        (self.fill(graph, name.to_owned(), frames, (depth, fragments, draw), count, room), totals)
+        (self.fill(graph, name.to_owned(), frames, (depth, fragments, |draw| draw), count, room), totals)
     }
 
     /// Memory for what is known.
@@ -104,13 +104,13 @@ impl ABuffer {
         }
     }
 
-    /// Places each pixel's array by sums over the counts, and fills it.
+    /// Places each pixel's array by sums over the counts, and fills it with what of the fragments lies `within`.
     fn fill<'f>(
         &self,
         graph: &mut Graph<'f>,
         name: String,
         (scanned, counted, frame): (Scanned, Data, Data),
-        (depth, fragments, draw): (&ImageHandle, &dyn Fragments<'f>, Draw<'f>),
+        (depth, fragments, within): (&ImageHandle, &dyn Fragments<'f>, impl FnOnce(Draw<'f>) -> Draw<'f>),
         count: &ImageHandle,
         room: Room,
     ) -> Arrays {
@@ -136,7 +136,7 @@ impl ABuffer {
             Step::ArraysInOrder => pass.color_in_order(ordered::NEXT_CURSOR, ordered::CURSOR, cursors),
             _ => pass.write(array_frag::CURSORS, cursors),
         };
-        pass.draw(draw);
+        pass.draw(within(fragments.draw(step)));
         Arrays { built: Built { name, nodes, linked: false, scanned, ends: cursors, work, frame }, sorted }
     }
 

@@ -35,9 +35,9 @@ pub enum Slices {
     /// layers in the vertex shader or has no cull distances, [`Slices::Separate`] stands in.
     #[default]
     Layered,
-    /// Into tiles of one attachment with a single layer, likewise. Depth is interpolated from another place of the image and
-    /// rounded otherwise: a centre within 1/128 voxel of a surface may be on the other side of it. Where the device has no cull distances, or its images are
-    /// too small for 32 tiles, [`Slices::Separate`] stands in.
+    /// Into tiles of one attachment with a single layer, likewise. Depth is interpolated from another place of the image
+    /// and rounded otherwise: a centre within 1/128 voxel of a surface may be on the other side of it. Where the device has
+    /// no cull distances, or its images are too small for 32 tiles, [`Slices::Separate`] stands in.
     Tiled,
     /// A pass each.
     Separate,
