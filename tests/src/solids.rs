@@ -94,7 +94,7 @@ pub fn by_both_rules(gpu: &Gpu, few: usize, find: impl Fn(&Scene, &Grid, Axis, F
 
 /// Mistakes that a comparison of windings must see.
 pub fn mistakes_are_seen(find: impl Fn(&Scene, &Grid) -> Voxels) {
-    let truth = one("torus", vec![(torus(48, 24), awkward())]);
+    let truth = tiny::one("torus", vec![(torus(48, 24), awkward())]);
     let grid = Grid::around(&bounds(&truth), 64).unwrap_or_else(|error| panic!("{error}"));
     let triangles = twin::voxel::in_grid(&truth, &grid);
     let wound: Vec<_> = twin::voxel::windings(&triangles, grid.size()).iter().map(|&winding| winding != 0).collect();
@@ -129,16 +129,6 @@ pub fn bounds(scene: &Scene) -> Aabb {
         points.map(|&p| object.world_from_object.transform_point3(p))
     });
     Aabb::around(objects).unwrap_or_else(|| panic!("{} has no vertex", scene.name))
-}
-
-/// A scene of these parts.
-pub fn one(name: &str, parts: Vec<(Primitive, Mat4)>) -> Scene {
-    let mut scene = tiny::empty();
-    scene.name = name.into();
-    for (primitive, world_from_object) in parts {
-        tiny::add(&mut scene, primitive, world_from_object);
-    }
-    scene
 }
 
 /// A torus around the z axis, with radii 1 and 0.4, of `2 · around · across` triangles.
@@ -189,13 +179,13 @@ pub fn awkward() -> Mat4 {
 pub fn closed() -> Vec<Scene> {
     let cuboid = |size: Vec3| tiny::cuboid(-0.5 * size, 0.5 * size, 0);
     let mut scenes = vec![
-        one("sphere", vec![(tiny::sphere(64, 32, 0), Mat4::IDENTITY)]),
-        one("torus, turned", vec![(torus(64, 32), awkward())]),
-        one("cube", vec![(cuboid(Vec3::ONE), Mat4::IDENTITY)]),
-        one("thin plate, turned", vec![(cuboid(Vec3::new(1.0, 1.0, 0.02)), awkward())]),
-        one("needle, turned", vec![(cuboid(Vec3::new(1.0, 0.01, 0.01)), awkward())]),
-        one("200 tetrahedra", vec![(soup(200), Mat4::IDENTITY)]),
-        one("mirrored torus", vec![(torus(48, 24), Mat4::from_scale(Vec3::new(-1.0, 0.8, 1.1)) * awkward())]),
+        tiny::one("sphere", vec![(tiny::sphere(64, 32, 0), Mat4::IDENTITY)]),
+        tiny::one("torus, turned", vec![(torus(64, 32), awkward())]),
+        tiny::one("cube", vec![(cuboid(Vec3::ONE), Mat4::IDENTITY)]),
+        tiny::one("thin plate, turned", vec![(cuboid(Vec3::new(1.0, 1.0, 0.02)), awkward())]),
+        tiny::one("needle, turned", vec![(cuboid(Vec3::new(1.0, 0.01, 0.01)), awkward())]),
+        tiny::one("200 tetrahedra", vec![(soup(200), Mat4::IDENTITY)]),
+        tiny::one("mirrored torus", vec![(torus(48, 24), Mat4::from_scale(Vec3::new(-1.0, 0.8, 1.1)) * awkward())]),
     ];
     for file in ["AnalyticSolids/AnalyticSolids.glb", "Boot/Boot.glb", "Spot/Spot.gltf"] {
         if let Some(path) = harness::require_scene(file) {
@@ -209,7 +199,8 @@ pub fn closed() -> Vec<Scene> {
 pub fn overlapping_cubes() -> (Scene, Grid) {
     let cube = tiny::cuboid(Vec3::ZERO, Vec3::splat(8.0), 0);
     let mirrored = Mat4::from_translation(Vec3::new(14.0, 6.0, 6.0)) * Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0));
-    let scene = one("two cubes", vec![(cube.clone(), Mat4::from_translation(Vec3::splat(2.0))), (cube, mirrored)]);
+    let scene =
+        tiny::one("two cubes", vec![(cube.clone(), Mat4::from_translation(Vec3::splat(2.0))), (cube, mirrored)]);
     (scene, Grid::new(Vec3::ZERO, 1.0, [16; 3]).unwrap_or_else(|error| panic!("{error}")))
 }
 
@@ -225,13 +216,13 @@ pub fn surfaces() -> Vec<Scene> {
         })
         .collect();
     let mut scenes = vec![
-        one("sphere", vec![(tiny::sphere(48, 24, 0), awkward())]),
-        one("torus", vec![(torus(48, 24), awkward())]),
-        one("large triangles", vec![(cuboid(Vec3::new(1.0, 0.7, 0.3)), awkward())]),
-        one("needle", vec![(cuboid(Vec3::new(1.0, 0.004, 0.004)), awkward())]),
-        one("slivers and triangles without area", vec![(tiny::triangles(&slivers, 0), Mat4::IDENTITY)]),
-        one("100 tetrahedra", vec![(soup(100), Mat4::IDENTITY)]),
-        one("mirrored torus", vec![(torus(32, 16), Mat4::from_scale(Vec3::new(-1.0, 0.8, 1.1)) * awkward())]),
+        tiny::one("sphere", vec![(tiny::sphere(48, 24, 0), awkward())]),
+        tiny::one("torus", vec![(torus(48, 24), awkward())]),
+        tiny::one("large triangles", vec![(cuboid(Vec3::new(1.0, 0.7, 0.3)), awkward())]),
+        tiny::one("needle", vec![(cuboid(Vec3::new(1.0, 0.004, 0.004)), awkward())]),
+        tiny::one("slivers and triangles without area", vec![(tiny::triangles(&slivers, 0), Mat4::IDENTITY)]),
+        tiny::one("100 tetrahedra", vec![(soup(100), Mat4::IDENTITY)]),
+        tiny::one("mirrored torus", vec![(torus(32, 16), Mat4::from_scale(Vec3::new(-1.0, 0.8, 1.1)) * awkward())]),
     ];
     if let Some(path) = harness::require_scene("Demosthenes/Demosthenes.gltf") {
         scenes.push(Scene::load(&path).unwrap_or_else(|error| panic!("{error}")));

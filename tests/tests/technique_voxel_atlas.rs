@@ -11,7 +11,7 @@ use shadowgraph::techniques::voxel::{Axis, Grid, Voxels};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure};
 use shadowgraph_tests::harness;
-use shadowgraph_tests::solids::{self, awkward, bounds, one, surfaces, torus};
+use shadowgraph_tests::solids::{self, awkward, bounds, surfaces, torus};
 use shadowgraph_tests::voxel_pictures::front;
 use shadowgraph_tests::{tiny, twin};
 
@@ -54,9 +54,9 @@ fn sheet() -> Primitive {
 fn laid_out() -> Vec<Scene> {
     let aside = Mat4::from_translation(Vec3::new(0.3, 0.2, 0.7)) * awkward();
     vec![
-        one("sheet", vec![(sheet(), awkward())]),
-        one("two sheets in one place of the atlas", vec![(sheet(), awkward()), (sheet(), aside)]),
-        one("sphere", vec![(tiny::sphere(32, 16, 0), awkward())]),
+        tiny::one("sheet", vec![(sheet(), awkward())]),
+        tiny::one("two sheets in one place of the atlas", vec![(sheet(), awkward()), (sheet(), aside)]),
+        tiny::one("sphere", vec![(tiny::sphere(32, 16, 0), awkward())]),
     ]
 }
 
@@ -130,7 +130,7 @@ fn count_holes(gpu: &Gpu, scene: &Scene, grid: &Grid, charts: Charts) -> [u32; 2
 /// Finer atlases have fewer holes; with as many texels as the greatest stretch asks for, hardly any.
 fn holes(gpu: &Gpu) -> Vec<Figure> {
     let mut figures = Vec::new();
-    let scenes = [one("torus", vec![(torus(96, 48), awkward())]), one("sheet", vec![(sheet(), awkward())])];
+    let scenes = [tiny::one("torus", vec![(torus(96, 48), awkward())]), tiny::one("sheet", vec![(sheet(), awkward())])];
     for scene in scenes {
         let grid = Grid::around(&bounds(&scene), 128).unwrap();
         let charts = |per_voxel: f32| -> Vec<Charts> {
@@ -165,7 +165,7 @@ fn holes(gpu: &Gpu) -> Vec<Figure> {
 
 #[test]
 fn portable_voxel_atlas_of_a_torus() {
-    let torus = one("torus", vec![(torus(48, 24), awkward())]);
+    let torus = tiny::one("torus", vec![(torus(48, 24), awkward())]);
     check(shared(), &torus, 64, Atlas::default());
     check(shared(), &laid_out()[0], 64, Atlas { charts: Charts::SecondUvs { side: 200 }, ..Atlas::default() });
     silent(shared());
@@ -173,7 +173,7 @@ fn portable_voxel_atlas_of_a_torus() {
 
 #[test]
 fn what_cannot_be_laid_out_is_an_error() {
-    let torus = one("torus", vec![(torus(48, 24), awkward())]);
+    let torus = tiny::one("torus", vec![(torus(48, 24), awkward())]);
     let grid = Grid::around(&bounds(&torus), 64).unwrap();
     let fails = |charts: Charts| {
         let scene = torus.clone().upload(shared()).unwrap();
@@ -187,7 +187,7 @@ fn what_cannot_be_laid_out_is_an_error() {
 #[test]
 fn voxel_atlas_with_a_seeded_mistake_is_caught() {
     let gpu = shared();
-    let truth = one("torus", vec![(torus(32, 16), awkward())]);
+    let truth = tiny::one("torus", vec![(torus(32, 16), awkward())]);
     let grid = Grid::around(&bounds(&truth), 64).unwrap();
     let charts = Charts::ByAxis { per_voxel: 2.0 };
     let wrong = |scene: &Scene, found: Charts| {

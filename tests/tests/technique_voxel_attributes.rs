@@ -14,7 +14,7 @@ use shadowgraph::techniques::voxel::conservative::Conservative;
 use shadowgraph::techniques::voxel::{Axis, Grid, Voxels};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure};
-use shadowgraph_tests::solids::{awkward, bounds, one, soup, torus};
+use shadowgraph_tests::solids::{awkward, bounds, soup, torus};
 use shadowgraph_tests::soup::Random;
 use shadowgraph_tests::twin::attributes::{Average, averages};
 use shadowgraph_tests::twin::scene::Scene as Truth;
@@ -132,7 +132,7 @@ fn painted(name: &str, primitive: shadowgraph::scene::Primitive) -> Scene {
         let place = Mat4::from_translation(Vec3::new(0.3, 0.1, -0.2) * i as f32);
         (shadowgraph::scene::Primitive { material: i, ..primitive.clone() }, place * awkward())
     });
-    let mut scene = one(name, parts.collect());
+    let mut scene = tiny::one(name, parts.collect());
     scene.materials = colors.map(|color| Material { base_color: Vec4::from(color), ..Material::default() }).to_vec();
     scene.materials[1].emissive = Vec3::new(500.0, 20.0, 1.0);
     scene.materials[2].alpha_mode = AlphaMode::Blend;
@@ -293,8 +293,10 @@ fn parts_make_up_the_surface() {
 fn portable_what_lies_on_a_plane_of_the_grid_is_on_both_sides() {
     let gpu = shared();
     let executor = &mut Executor::new(gpu);
-    let quad =
-        one("quad", vec![(tiny::quad(Vec3::new(1.0, 1.0, 2.0), Vec3::X * 2.0, Vec3::Y * 2.0, 0), Mat4::IDENTITY)]);
+    let quad = tiny::one(
+        "quad",
+        vec![(tiny::quad(Vec3::new(1.0, 1.0, 2.0), Vec3::X * 2.0, Vec3::Y * 2.0, 0), Mat4::IDENTITY)],
+    );
     let grid = Grid::new(Vec3::ZERO, 1.0, [4; 3]).unwrap();
     let found = attributes(executor, gpu, &quad, &grid, Axis::Y);
     for voxel in grid.voxels() {
@@ -317,7 +319,7 @@ fn portable_sums_of_many_parts_lose_nothing() {
     // A square a thousand times, of a colour that sums hold exactly.
     let mut quad = tiny::quad(Vec3::new(0.25, 0.25, 0.5), Vec3::X * 0.7, Vec3::Y * 0.6, 0);
     quad.indices = quad.indices.repeat(1000);
-    let mut scene = one("many", vec![(quad, Mat4::IDENTITY)]);
+    let mut scene = tiny::one("many", vec![(quad, Mat4::IDENTITY)]);
     let color = Vec3::new(12_345.0, 1.0, 65_534.0) / 65_535.0;
     scene.materials[0].base_color = color.extend(1.0);
     let found = attributes(executor, gpu, &scene, &Grid::new(Vec3::ZERO, 1.0, [1; 3]).unwrap(), Axis::Z);
@@ -331,7 +333,7 @@ fn nothing_has_no_attributes() {
     let gpu = shared();
     let executor = &mut Executor::new(gpu);
     let grid = Grid::new(Vec3::ZERO, 1.0, [4; 3]).unwrap();
-    let beside = one("beside", vec![(tiny::quad(Vec3::splat(9.0), Vec3::X, Vec3::Y, 0), Mat4::IDENTITY)]);
+    let beside = tiny::one("beside", vec![(tiny::quad(Vec3::splat(9.0), Vec3::X, Vec3::Y, 0), Mat4::IDENTITY)]);
     for scene in [tiny::empty(), beside] {
         let found = attributes(executor, gpu, &scene, &grid, Axis::Z);
         assert!(grid.voxels().all(|voxel| found.get(voxel).is_none()) && found.voxels().count() == 0);
@@ -341,7 +343,7 @@ fn nothing_has_no_attributes() {
 
 /// A room of squares with a colour each, in a grid of 12³.
 fn squares() -> (Scene, Grid) {
-    let mut scene = one("squares", Vec::new());
+    let mut scene = tiny::one("squares", Vec::new());
     scene.materials.clear();
     for i in 0..4 {
         let base_color = Vec4::new(0.2 * i as f32, 1.0 - 0.3 * i as f32, 0.1, 0.5);

@@ -10,7 +10,7 @@ use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure};
 use shadowgraph_tests::harness;
 use shadowgraph_tests::plot::LogPlot;
-use shadowgraph_tests::solids::{self, awkward, bounds, one, soup, torus};
+use shadowgraph_tests::solids::{self, awkward, bounds, soup, torus};
 use shadowgraph_tests::twin::frustum::Sight;
 use shadowgraph_tests::voxel_pictures::front;
 use shadowgraph_tests::{tiny, twin};
@@ -72,7 +72,7 @@ fn volumes(gpu: &Gpu) -> Vec<Figure> {
     let mut of = |name: &'static str, primitive: Primitive| {
         let error = |resolution: u32, turn: u32| {
             let turned = Mat4::from_rotation_x(0.47 * turn as f32) * awkward();
-            let scene = one(name, vec![(primitive.clone(), turned)]);
+            let scene = tiny::one(name, vec![(primitive.clone(), turned)]);
             let grid = Grid::around(&bounds(&scene), resolution).unwrap();
             let volume = twin::voxel::volume(&twin::voxel::in_grid(&scene, &grid));
             let error = (voxelize(gpu, &scene, &grid, Bitmask::default()).count() as f64 / volume - 1.0).abs();
@@ -112,7 +112,7 @@ fn slope(x: [f64; 4], y: [f64; 4]) -> f64 {
 #[test]
 fn voxel_bitmask_with_a_seeded_mistake_is_caught() {
     let gpu = shared();
-    let truth = one("torus", vec![(torus(48, 24), awkward())]);
+    let truth = tiny::one("torus", vec![(torus(48, 24), awkward())]);
     let grid = Grid::around(&bounds(&truth), 64).unwrap();
     let far = |scene: &Scene| compare(&voxelize(gpu, scene, &grid, Bitmask::default()), &truth)[2];
     assert_eq!(far(&truth), 0);
@@ -129,7 +129,7 @@ fn voxel_bitmask_with_a_seeded_mistake_is_caught() {
 #[test]
 fn a_cube_that_fills_its_grid_fills_every_voxel() {
     let gpu = shared();
-    let cube = one("cube", vec![(tiny::cuboid(Vec3::ZERO, Vec3::splat(8.0), 0), Mat4::IDENTITY)]);
+    let cube = tiny::one("cube", vec![(tiny::cuboid(Vec3::ZERO, Vec3::splat(8.0), 0), Mat4::IDENTITY)]);
     for axis in [Axis::X, Axis::Y, Axis::Z] {
         for combine in [Combine::Bit, Combine::Masks, Combine::LogicOp] {
             let technique = Bitmask { axis, combine, ..Bitmask::default() };
@@ -147,7 +147,7 @@ fn a_cube_that_fills_its_grid_fills_every_voxel() {
 #[test]
 fn portable_every_way_to_flip_bits_gives_the_same() {
     let gpu = shared();
-    let scene = one("tetrahedra", vec![(soup(50), Mat4::IDENTITY)]);
+    let scene = tiny::one("tetrahedra", vec![(soup(50), Mat4::IDENTITY)]);
     let grid = Grid::new(Vec3::splat(-0.1), 0.01, [120, 110, 130]).unwrap();
     for fill in [Fill::Solid, Fill::Surface] {
         let voxels = [Combine::Bit, Combine::Masks, Combine::LogicOp]
@@ -267,7 +267,7 @@ fn a_frustum_agrees_with_its_reference() {
 #[test]
 fn a_frustum_with_a_seeded_mistake_is_caught() {
     let gpu = shared();
-    let truth = one("torus", vec![(torus(48, 24), awkward())]);
+    let truth = tiny::one("torus", vec![(torus(48, 24), awkward())]);
     for (name, frustum) in frusta(&truth, [60, 60, 60]) {
         let far = |scene: &Scene| {
             let [solid, surface] = [Fill::Solid, Fill::Surface]

@@ -11,7 +11,7 @@ use shadowgraph::techniques::voxel::six_separating::SixSeparating;
 use shadowgraph::techniques::voxel::{Axis, Grid, Voxels};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure};
-use shadowgraph_tests::solids::{self, awkward, bounds, one, surfaces, torus};
+use shadowgraph_tests::solids::{self, awkward, bounds, surfaces, torus};
 use shadowgraph_tests::voxel_pictures::front;
 use shadowgraph_tests::{harness, tiny, twin};
 
@@ -80,7 +80,7 @@ fn voxel_bricks_agrees_with_its_reference() {
         });
     }
     // 2. Where that does not fit: blocks on the surface of 2048³.
-    let mut scenes = vec![one("torus", vec![(torus(48, 24), awkward())])];
+    let mut scenes = vec![tiny::one("torus", vec![(torus(48, 24), awkward())])];
     let koala = harness::require_scene("Koala/Koala.glb").map(|path| Scene::load(&path).unwrap());
     scenes.extend(koala.clone());
     for scene in scenes {
@@ -114,7 +114,7 @@ fn voxel_bricks_agrees_with_its_reference() {
 #[test]
 fn voxel_bricks_with_a_seeded_mistake_is_caught() {
     let gpu = shared();
-    let truth = one("torus", vec![(torus(32, 16), awkward())]);
+    let truth = tiny::one("torus", vec![(torus(32, 16), awkward())]);
     let grid = Grid::around(&bounds(&truth), 64).unwrap();
     let wrong = |scene: &Scene, thickness| compare(&in_bricks(gpu, scene, &grid, thickness), &truth, [0; 3], [64; 3]);
     assert_eq!(wrong(&truth, Thickness::Conservative)[..2], [0, 0]);
@@ -133,7 +133,7 @@ fn portable_what_touches_bricks_from_outside_is_found() {
     // A square on a plane between bricks, one that nearly touches it, and one beside the grid.
     let square = |corner: Vec3| (tiny::quad(corner, Vec3::X * 20.0, Vec3::Y * 20.0, 0), Mat4::IDENTITY);
     let parts = [[2.0, 2.0, 8.0], [2.0, 2.0, 16.00009], [2.0, 2.0, 40.0]].map(|at| square(Vec3::from(at)));
-    let scene = one("squares", parts.to_vec());
+    let scene = tiny::one("squares", parts.to_vec());
     let grid = Grid::new(Vec3::ZERO, 1.0, [30, 31, 33]).unwrap();
     for thickness in [Thickness::Conservative, Thickness::SixSeparating] {
         let (own, whole) = (in_bricks(gpu, &scene, &grid, thickness), whole(gpu, &scene, &grid, thickness));

@@ -9,7 +9,7 @@ use shadowgraph::techniques::voxel::{Axis, Grid, Voxels};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure};
 use shadowgraph_tests::harness;
-use shadowgraph_tests::solids::{self, awkward, bounds, one, soup, surfaces, torus};
+use shadowgraph_tests::solids::{self, awkward, bounds, soup, surfaces, torus};
 use shadowgraph_tests::voxel_pictures::front;
 use shadowgraph_tests::{tiny, twin};
 
@@ -72,7 +72,7 @@ fn voxel_conservative_agrees_with_its_reference() {
 #[test]
 fn voxel_conservative_with_a_seeded_mistake_is_caught() {
     let gpu = shared();
-    let truth = one("torus", vec![(torus(32, 16), awkward())]);
+    let truth = tiny::one("torus", vec![(torus(32, 16), awkward())]);
     let grid = Grid::around(&bounds(&truth), 64).unwrap();
     let wrong = |scene: &Scene| compare(&voxelize(gpu, scene, &grid, Axis::Z), &truth);
     assert_eq!(wrong(&truth)[..2], [0, 0]);
@@ -88,8 +88,10 @@ fn voxel_conservative_with_a_seeded_mistake_is_caught() {
 fn triangles_on_planes_of_the_grid_set_the_voxels_on_both_sides() {
     let gpu = shared();
     // The square 1 to 3 at height 2, on planes between voxels on all its sides.
-    let quad =
-        one("quad", vec![(tiny::quad(Vec3::new(1.0, 1.0, 2.0), Vec3::X * 2.0, Vec3::Y * 2.0, 0), Mat4::IDENTITY)]);
+    let quad = tiny::one(
+        "quad",
+        vec![(tiny::quad(Vec3::new(1.0, 1.0, 2.0), Vec3::X * 2.0, Vec3::Y * 2.0, 0), Mat4::IDENTITY)],
+    );
     let grid = Grid::new(Vec3::ZERO, 1.0, [4; 3]).unwrap();
     for axis in [Axis::X, Axis::Y, Axis::Z] {
         let voxels = voxelize(gpu, &quad, &grid, axis);
@@ -105,7 +107,7 @@ fn triangles_on_planes_of_the_grid_set_the_voxels_on_both_sides() {
 fn triangles_that_leave_the_grid_set_what_is_in_it() {
     let gpu = shared();
     // Tetrahedra, and triangles of a thousand kilometres through them.
-    let mut scene = one("far", vec![(soup(400), Mat4::IDENTITY)]);
+    let mut scene = tiny::one("far", vec![(soup(400), Mat4::IDENTITY)]);
     let vast = |turn: f32| {
         let (sin, cos) = turn.sin_cos();
         let [right, up] = [Vec3::new(cos, sin, 0.3), Vec3::new(-0.2 * sin, cos, -0.9)];
@@ -125,7 +127,7 @@ fn triangles_that_leave_the_grid_set_what_is_in_it() {
 #[test]
 fn portable_surfaces_are_the_same_along_every_axis() {
     let gpu = shared();
-    let scene = one("tetrahedra", vec![(soup(50), Mat4::IDENTITY)]);
+    let scene = tiny::one("tetrahedra", vec![(soup(50), Mat4::IDENTITY)]);
     let grid = Grid::new(Vec3::splat(-0.1), 0.01, [120, 110, 130]).unwrap();
     let [missed, far, set] = compare(&voxelize(gpu, &scene, &grid, Axis::Y), &scene);
     assert!(missed == 0 && far == 0 && set > 1000, "{missed} missed, {far} too many, {set} set");

@@ -17,7 +17,7 @@ use shadowgraph::techniques::voxel::six_separating::SixSeparating;
 use shadowgraph::techniques::voxel::{Axis, Grid, Level, Occluders, VoxelBits, Voxels};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure, Picture};
-use shadowgraph_tests::solids::{self, awkward, bounds, one, soup, torus};
+use shadowgraph_tests::solids::{self, awkward, bounds, soup, torus};
 use shadowgraph_tests::twin::scene::{Ray, Rule};
 use shadowgraph_tests::voxel_pictures::lit;
 use shadowgraph_tests::{harness, parallel, tiny, twin};
@@ -170,9 +170,9 @@ fn voxel_ray_marching_agrees_with_its_reference() {
 /// Against whole numbers, bit for bit.
 fn exactly(gpu: &Gpu) -> Figure {
     let scenes = [
-        one("torus", vec![(torus(48, 24), awkward())]),
-        one("100 tetrahedra", vec![(soup(100), Mat4::IDENTITY)]),
-        one("needle", vec![(tiny::cuboid(Vec3::ZERO, Vec3::new(1.0, 0.01, 0.01), 0), awkward())]),
+        tiny::one("torus", vec![(torus(48, 24), awkward())]),
+        tiny::one("100 tetrahedra", vec![(soup(100), Mat4::IDENTITY)]),
+        tiny::one("needle", vec![(tiny::cuboid(Vec3::ZERO, Vec3::new(1.0, 0.01, 0.01), 0), awkward())]),
     ];
     let [mut compared, mut levels] = [0; 2];
     for (index, scene) in scenes.iter().enumerate() {
@@ -215,8 +215,10 @@ fn exactly(gpu: &Gpu) -> Figure {
 /// Against rays through the triangles, at 256³.
 fn against_triangles(gpu: &Gpu) -> Vec<Figure> {
     const COUNT: usize = 20_000;
-    let mut scenes =
-        vec![one("sphere", vec![(tiny::sphere(64, 32, 0), awkward())]), one("torus", vec![(torus(64, 32), awkward())])];
+    let mut scenes = vec![
+        tiny::one("sphere", vec![(tiny::sphere(64, 32, 0), awkward())]),
+        tiny::one("torus", vec![(torus(64, 32), awkward())]),
+    ];
     for file in ["Boot/Boot.glb", "Spot/Spot.gltf"] {
         if let Some(path) = harness::require_scene(file) {
             scenes.push(Scene::load(&path).unwrap());
@@ -344,7 +346,7 @@ fn picture(gpu: &Gpu) -> Option<Picture> {
 #[test]
 fn voxel_ray_marching_with_a_seeded_mistake_is_caught() {
     let gpu = shared();
-    let truth = one("torus", vec![(torus(48, 24), awkward())]);
+    let truth = tiny::one("torus", vec![(torus(48, 24), awkward())]);
     let grid = Grid::around(&bounds(&truth), 64).unwrap();
     let segments = segments(&grid, 20_000);
     let of = |scene: &Scene| {
@@ -365,7 +367,7 @@ fn voxel_ray_marching_with_a_seeded_mistake_is_caught() {
 #[test]
 fn portable_segments_are_blocked_alike_from_both_ends() {
     let gpu = shared();
-    let scene = one("100 tetrahedra", vec![(soup(100), Mat4::IDENTITY)]);
+    let scene = tiny::one("100 tetrahedra", vec![(soup(100), Mat4::IDENTITY)]);
     let grid = Grid::around(&bounds(&scene), 64).unwrap();
     // Within the grid, on planes and edges as well.
     let inside = |p: Vec3| (p - grid.min()).min_element() > 0.0 && (p - grid.min()).max_element() < 64.0 * grid.edge();
@@ -385,7 +387,8 @@ fn portable_segments_are_blocked_alike_from_both_ends() {
 fn voxels_of_the_ends_do_not_block() {
     let gpu = shared();
     // All voxels of a row from the second to the seventh.
-    let scene = one("bar", vec![(tiny::cuboid(Vec3::new(1.1, 0.1, 0.1), Vec3::new(6.9, 0.9, 0.9), 0), Mat4::IDENTITY)]);
+    let scene =
+        tiny::one("bar", vec![(tiny::cuboid(Vec3::new(1.1, 0.1, 0.1), Vec3::new(6.9, 0.9, 0.9), 0), Mat4::IDENTITY)]);
     let grid = Grid::new(Vec3::ZERO, 1.0, [8, 1, 1]).unwrap();
     let at = |x: f32| Vec3::new(x, 0.5, 0.5);
     let far = Vec3::splat(1e31);
@@ -428,9 +431,9 @@ fn voxels_of_the_ends_do_not_block() {
 fn segments_through_bricks_meet_what_those_through_the_whole_grid_do() {
     let gpu = shared();
     let scenes = [
-        one("torus", vec![(torus(48, 24), awkward())]),
-        one("100 tetrahedra", vec![(soup(100), Mat4::IDENTITY)]),
-        one("needle", vec![(tiny::cuboid(Vec3::ZERO, Vec3::new(1.0, 0.01, 0.01), 0), awkward())]),
+        tiny::one("torus", vec![(torus(48, 24), awkward())]),
+        tiny::one("100 tetrahedra", vec![(soup(100), Mat4::IDENTITY)]),
+        tiny::one("needle", vec![(tiny::cuboid(Vec3::ZERO, Vec3::new(1.0, 0.01, 0.01), 0), awkward())]),
     ];
     for scene in &scenes {
         let around = bounds(scene);

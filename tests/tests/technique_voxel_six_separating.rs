@@ -10,7 +10,7 @@ use shadowgraph::techniques::voxel::{Axis, Grid, Voxels};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure};
 use shadowgraph_tests::harness;
-use shadowgraph_tests::solids::{self, awkward, bounds, one, surfaces, torus};
+use shadowgraph_tests::solids::{self, awkward, bounds, surfaces, torus};
 use shadowgraph_tests::voxel_pictures::front;
 use shadowgraph_tests::{tiny, twin};
 
@@ -76,7 +76,7 @@ fn leaks(gpu: &Gpu) -> Figure {
     for turn in 0..9 {
         let turned = Mat4::from_rotation_x(0.41 * turn as f32) * awkward();
         for primitive in [torus(40, 20), tiny::sphere(24, 12, 0), tiny::cuboid(-Vec3::ONE, Vec3::ONE, 0)] {
-            let scene = one("closed", vec![(primitive, turned)]);
+            let scene = tiny::one("closed", vec![(primitive, turned)]);
             // Two voxels of room on every side, so that the walk can get around.
             let around = Grid::around(&bounds(&scene), 28).unwrap();
             let grid = Grid::new(around.min() - 2.0 * around.edge(), around.edge(), [32; 3]).unwrap();
@@ -99,7 +99,7 @@ fn leaks(gpu: &Gpu) -> Figure {
 #[test]
 fn voxel_six_separating_with_a_seeded_mistake_is_caught() {
     let gpu = shared();
-    let truth = one("torus", vec![(torus(32, 16), awkward())]);
+    let truth = tiny::one("torus", vec![(torus(32, 16), awkward())]);
     let grid = Grid::around(&bounds(&truth), 64).unwrap();
     let wrong = |scene: &Scene| compare(&voxelize(gpu, scene, &grid, Axis::Z, true), &truth);
     assert_eq!(wrong(&truth)[..2], [0, 0]);

@@ -10,7 +10,7 @@ use shadowgraph::techniques::voxel::{Axis, FillRule, Grid, Voxels};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures;
 use shadowgraph_tests::harness;
-use shadowgraph_tests::solids::{self, awkward, bounds, one, soup, torus};
+use shadowgraph_tests::solids::{self, awkward, bounds, soup, torus};
 use shadowgraph_tests::tiny;
 use shadowgraph_tests::twin::voxel::{in_grid, is_near};
 use shadowgraph_tests::voxel_pictures::front;
@@ -54,7 +54,7 @@ fn portable_slices_are_the_same_in_layers_in_tiles_and_alone() {
     let gpu = shared();
     // Nothing of the scene is cut off by the sides of the grid that it reaches out of.
     let parts = vec![(soup(50), Mat4::IDENTITY), (tiny::cuboid(Vec3::splat(-1.0), Vec3::splat(0.3), 0), awkward())];
-    let scene = one("tetrahedra", parts);
+    let scene = tiny::one("tetrahedra", parts);
     let grid = Grid::new(Vec3::splat(-0.1), 0.01, [120, 110, 67]).unwrap();
     for rule in [FillRule::NonZero, FillRule::EvenOdd] {
         for axis in [Axis::X, Axis::Y, Axis::Z] {
@@ -70,7 +70,7 @@ fn portable_slices_are_the_same_in_layers_in_tiles_and_alone() {
 fn a_grid_of_many_slabs_is_found_slab_by_slab() {
     let gpu = shared();
     // 1024 × 1024 pixels take 32 slices at a time; the last slab has 6.
-    let scene = one("torus", vec![(torus(24, 12), awkward())]);
+    let scene = tiny::one("torus", vec![(torus(24, 12), awkward())]);
     let grid = Grid::new(Vec3::new(-1.5, -1.5, -0.1), 3.0 / 1024.0, [1024, 1024, 70]).unwrap();
     let bitmask = solids::voxelize(gpu, &scene, &grid, |graph, scene| Bitmask::default().record(graph, scene, &grid));
     for slices in [Slices::Layered, Slices::Tiled, Slices::Separate] {

@@ -11,7 +11,7 @@ use shadowgraph::techniques::voxel::winding::Winding;
 use shadowgraph::techniques::voxel::{Axis, FillRule, Grid, Voxels};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure};
-use shadowgraph_tests::solids::{NEAR, awkward, bounds, one, soup, torus};
+use shadowgraph_tests::solids::{NEAR, awkward, bounds, soup, torus};
 use shadowgraph_tests::tiny;
 use shadowgraph_tests::twin::vote::vote;
 use shadowgraph_tests::twin::voxel::{in_grid, is_near, solid};
@@ -88,8 +88,8 @@ fn broken() -> Vec<[Scene; 2]> {
         primitive.indices = triangles.filter(|&(i, _)| !lost(i)).flat_map(|(_, corners)| *corners).collect();
         [closed, open]
     };
-    let cube = || one("cube", vec![(tiny::cuboid(-Vec3::ONE, Vec3::ONE, 0), awkward())]);
-    let ring = || one("torus", vec![(torus(48, 24), awkward())]);
+    let cube = || tiny::one("cube", vec![(tiny::cuboid(-Vec3::ONE, Vec3::ONE, 0), awkward())]);
+    let ring = || tiny::one("torus", vec![(torus(48, 24), awkward())]);
     vec![
         lack("turned cube without a face", cube(), &|i| i < 2),
         lack("turned cube without two faces", cube(), &|i| [1, 3].contains(&(i / 2))),
@@ -163,8 +163,10 @@ fn voxel_vote_with_a_seeded_mistake_is_caught() {
 #[test]
 fn closed_surfaces_leak_nowhere_and_are_voted_as_they_are() {
     let gpu = shared();
-    for scene in [one("torus", vec![(torus(48, 24), awkward())]), one("tetrahedra", vec![(soup(100), Mat4::IDENTITY)])]
-    {
+    for scene in [
+        tiny::one("torus", vec![(torus(48, 24), awkward())]),
+        tiny::one("tetrahedra", vec![(soup(100), Mat4::IDENTITY)]),
+    ] {
         // Half of it lies outside of the grid.
         let around = Grid::around(&bounds(&scene), 60).unwrap();
         let grid = Grid::new(around.min() + 0.3, around.edge(), [50, 44, 61]).unwrap();

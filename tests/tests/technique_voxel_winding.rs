@@ -10,7 +10,8 @@ use shadowgraph::techniques::voxel::winding::Winding;
 use shadowgraph::techniques::voxel::{Axis, FillRule, Grid, Voxels};
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::figures::{self, Figure};
-use shadowgraph_tests::solids::{self, awkward, bounds, one, torus};
+use shadowgraph_tests::solids::{self, awkward, bounds, torus};
+use shadowgraph_tests::tiny;
 use shadowgraph_tests::voxel_pictures::{beside, cut};
 
 fn voxelize(gpu: &Gpu, scene: &Scene, grid: &Grid, technique: Winding) -> Voxels {
@@ -44,7 +45,7 @@ fn voxel_winding_agrees_with_its_reference() {
     silent(gpu);
     let turns =
         [0.0, 0.9, 1.8].map(|turn| (torus(96, 48), Mat4::from_rotation_x(turn) * Mat4::from_rotation_y(0.7 * turn)));
-    let rings = one("three tori", turns.to_vec());
+    let rings = tiny::one("three tori", turns.to_vec());
     let grid = Grid::around(&bounds(&rings), 160).unwrap();
     let [odd, all] = [FillRule::EvenOdd, FillRule::NonZero]
         .map(|rule| cut(&voxelize(gpu, &rings, &grid, Winding { rule, ..Winding::default() }), 84));
@@ -70,7 +71,7 @@ fn solids_that_overlap_are_one_where_xor_has_a_hole() {
 fn portable_a_grid_of_many_bands_is_found_band_by_band() {
     let gpu = shared();
     // 1024 columns of 700 voxels a row: 46 rows of counts take 126 MiB. The last band has 14 rows.
-    let scene = one("torus", vec![(torus(24, 12), awkward())]);
+    let scene = tiny::one("torus", vec![(torus(24, 12), awkward())]);
     let grid = Grid::new(Vec3::new(-1.5, -0.1, -1.0), 3.0 / 1024.0, [1024, 60, 700]).unwrap();
     let bitmask = solids::voxelize(gpu, &scene, &grid, |graph, scene| Bitmask::default().record(graph, scene, &grid));
     let voxels = voxelize(gpu, &scene, &grid, Winding::default());

@@ -172,7 +172,6 @@ fn side(a: DVec3, b: DVec3, direction: DVec3) -> (bool, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solids::one;
     use crate::tiny;
     use glam::{Mat4, Vec3};
     use shadowgraph::scene::Camera as Lens;
@@ -180,7 +179,7 @@ mod tests {
     #[test]
     fn a_cube_before_the_camera_is_where_it_is() {
         // Two metres wide, from 4 to 6 metres away; a picture that is 10 metres wide at 5 metres.
-        let cube = one("cube", vec![(tiny::cuboid(Vec3::splat(-1.0), Vec3::ONE, 0), Mat4::IDENTITY)]);
+        let cube = tiny::one("cube", vec![(tiny::cuboid(Vec3::splat(-1.0), Vec3::ONE, 0), Mat4::IDENTITY)]);
         let view = Lens::look_at(Vec3::Z * 5.0, Vec3::ZERO, Vec3::Y, std::f32::consts::FRAC_PI_2, 0.1).view([100, 100]);
         let frustum = FrustumGrid::new(&view, [1.0, 11.0], 20).unwrap_or_else(|error| panic!("{error}"));
         let sight = Sight::new(&cube, &frustum);

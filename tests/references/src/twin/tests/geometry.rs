@@ -2,13 +2,11 @@
 
 use glam::{DVec3, Mat4, Quat, Vec3, Vec4};
 use proptest::prelude::*;
-use shadowgraph::scene::{Camera as Lens, LightKind, Projection, Scene as Source, View};
+use shadowgraph::scene::{Camera as Lens, Projection, Scene as Source, View};
 
-use crate::harness::require_scene;
 use crate::tiny;
 use crate::twin::camera::{Camera, Picture, Tolerance, cast};
 use crate::twin::scene::{Ray, Rule, Scene};
-use crate::twin::shadow;
 
 /// 8 × 8 pixels of 1 × 1 m at z = 0, seen from z = 4, by exact matrices. Pixel (i, j) has its centre at
 /// (i − 3.5, 3.5 − j).
@@ -319,58 +317,6 @@ fn rays_agree_with_the_matrices_of_the_view() {
             let pixel = (clip.truncate() / clip.w + 1.0) * 0.5 * DVec3::new(320.0, 180.0, 1.0);
             assert!((pixel.truncate() - glam::DVec2::new(x, y)).length() < 1e-3, "{pixel}");
             assert!((view.view_from_world.as_dmat4().transform_point3(p).z + 7.0).abs() < 1e-5);
-        }
-    }
-}
-
-/// Run by hand: `cargo test -p shadowgraph-tests --lib -- --ignored --nocapture figures`.
-#[test]
-#[ignore = "prints times"]
-fn figures_of_a_million_triangles() {
-    let mut source = tiny::empty();
-    tiny::add(&mut source, tiny::sphere(1000, 500, 0), Mat4::IDENTITY);
-    let view = Lens::look_at(Vec3::Z * 3.0, Vec3::ZERO, Vec3::Y, 0.8, 0.1).view([640, 360]);
-    let start = std::time::Instant::now();
-    let scene = Scene::new(&source);
-    println!("{} triangles, hierarchy {:?}", scene.triangles.len(), start.elapsed());
-    let start = std::time::Instant::now();
-    let picture = cast(&scene, &view, Tolerance::default());
-    let near = picture.pixels.iter().filter(|p| p.near_edge).count();
-    println!("{} pixels, {near} near edges, {:?}", picture.pixels.len(), start.elapsed());
-}
-
-/// Run by hand, as above.
-#[test]
-#[ignore = "prints times and shares"]
-fn figures_of_scenes() {
-    let scenes = ["ShadowRoom/ShadowRoom.glb", "Pandora/Pandora.glb", "Grove/Grove.gltf", "LivingRoom/LivingRoom.gltf"];
-    for path in scenes.iter().filter_map(|path| require_scene(path)) {
-        let source = Source::load(&path).unwrap();
-        let start = std::time::Instant::now();
-        let scene = Scene::new(&source);
-        let built = start.elapsed();
-        let view = source.cameras[0].view([640, 360]);
-        let start = std::time::Instant::now();
-        let picture = cast(&scene, &view, Tolerance::default());
-        let share = |count: usize| 100.0 * count as f64 / picture.pixels.len() as f64;
-        let near = picture.pixels.iter().filter(|p| p.near_edge).count();
-        let seen = picture.pixels.iter().filter(|p| p.surface.is_some()).count();
-        println!("{}: {} triangles in {built:.2?}, {:.2?}", source.name, scene.triangles.len(), start.elapsed());
-        println!("  {:.1} % of the pixels show surfaces, {:.2} % are near edges", share(seen), share(near));
-        for light in source.lights.iter().filter(|l| !matches!(l.kind, LightKind::Point { .. })) {
-            let receivers = picture.receivers(|_| 0.01);
-            let start = std::time::Instant::now();
-            let found = shadow::cast(&scene, light, &receivers, view.size[0], 1e-4);
-            let reached: Vec<_> = found.iter().flatten().filter(|v| v.reached).collect();
-            let of = |n: usize| 100.0 * n as f64 / reached.len().max(1) as f64;
-            println!(
-                "  {}: reaches {:.1} %, of which {:.1} % are lit and {:.1} % near an edge of 1 cm texels, {:.2?}",
-                light.name,
-                share(reached.len()),
-                of(reached.iter().filter(|v| v.lit).count()),
-                of(reached.iter().filter(|v| v.near_edge).count()),
-                start.elapsed()
-            );
         }
     }
 }

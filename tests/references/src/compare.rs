@@ -183,7 +183,7 @@ pub fn degrees(a: DVec3, b: DVec3) -> f64 {
 /// Writes 8-bit RGB, rows from the top, to `target/test-pictures/NAME.png`; characters that a file name may not have
 /// become dashes.
 pub fn write_png(name: &str, size: [u32; 2], rgb: &[u8]) -> std::io::Result<PathBuf> {
-    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../target/test-pictures"));
+    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../target/test-pictures"));
     std::fs::create_dir_all(&folder)?;
     let plain: String = name.chars().map(|c| if c.is_alphanumeric() || "._".contains(c) { c } else { '-' }).collect();
     let path = folder.join(plain + ".png");

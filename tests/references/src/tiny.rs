@@ -22,6 +22,16 @@ pub fn empty() -> Scene {
     Scene { name: "tiny".into(), materials: vec![material], ..Scene::default() }
 }
 
+/// A scene of these parts.
+pub fn one(name: &str, parts: Vec<(Primitive, Mat4)>) -> Scene {
+    let mut scene = empty();
+    scene.name = name.into();
+    for (primitive, world_from_object) in parts {
+        add(&mut scene, primitive, world_from_object);
+    }
+    scene
+}
+
 /// Adds an instance of a mesh of one primitive, and gives the index of the object.
 pub fn add(scene: &mut Scene, primitive: Primitive, world_from_object: Mat4) -> usize {
     let mesh = scene.meshes.len();
