@@ -226,7 +226,7 @@ fn transparency_abuffer_does_not_depend_on_the_order_of_draws() {
 /// 100 runs of one order give the same bytes: what threads race for is decided by depth and triangle alone.
 #[test]
 fn transparency_abuffer_gives_the_same_bytes_in_every_run() {
-    let soup = Soup::random(15, [128, 128], 60, 24);
+    let soup = Soup::random(15, [128, 64], 60, 24);
     let (mut arrays, mut lists) = (Kitchen::new(shared(), &soup), Kitchen::new(shared(), &soup));
     let first = arrays.run(ARRAYS, false).unwrap();
     assert!(first.longest > 16 && first.count.contains(&3.0), "short and long pixels");

@@ -7,6 +7,7 @@ mod drivers;
 mod failure;
 mod package;
 mod packages;
+mod programs;
 mod setup;
 mod shell;
 mod technique;

@@ -41,6 +41,16 @@ pub fn checked_output(command: &mut Command) -> Result<String> {
     Err(Failure::Failed(format!("`{}` failed: {}\n{messages}", spelled(command), output.status)))
 }
 
+/// Prints a command, runs it, and gives its output; its messages are printed as they come.
+pub fn piped(command: &mut Command) -> Result<String> {
+    let line = announce(command);
+    let output = command.stderr(Stdio::inherit()).output().map_err(|error| cannot_start(command, &error))?;
+    match output.status.success() {
+        true => Ok(String::from_utf8_lossy(&output.stdout).into_owned()),
+        false => Err(Failure::Failed(format!("`{line}` failed: {}", output.status))),
+    }
+}
+
 /// Prints a command and runs it; each line of its output is printed and handed to `line`. Gives whether it succeeded.
 pub fn run_lines(command: &mut Command, mut line: impl FnMut(&str)) -> Result<bool> {
     announce(command);

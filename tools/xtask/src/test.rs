@@ -3,8 +3,8 @@
 use crate::drivers::{self, Driver};
 use crate::failure::{Failure, Result};
 use crate::setup::setup;
-use crate::shell;
 use crate::workspace::Workspace;
+use crate::{programs, shell};
 use std::path::PathBuf;
 use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -62,18 +62,29 @@ pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<()> {
     let driver = options.driver.unwrap_or_else(default_driver);
     let skipped = SkipList::new(workspace, driver);
     let manifest = driver.manifest(workspace)?;
-    let mut tally = Tally::default();
-    let mut succeeded = true;
-    for selection in selections(options) {
-        let mut command = test_command(workspace, options, &selection);
+    let prepare = |command: &mut Command| {
+        environment(command, workspace, options);
         command.env("SHADOWGRAPH_SKIPPED", &skipped.path);
         if let Some(seed) = &seed {
             command.env(SEED, seed);
         }
         if let Some(manifest) = &manifest {
-            drivers::select(&mut command, manifest);
+            drivers::select(command, manifest);
         }
-        succeeded &= shell::run_lines(&mut command, |line| tally.add(line))?;
+    };
+    let mut tally = Tally::default();
+    let programs: Vec<_> = programs::build(workspace)?
+        .into_iter()
+        .map(|program| {
+            let arguments = arguments(options, &program.name);
+            (program, arguments)
+        })
+        .collect();
+    let mut succeeded = programs::run(&programs, prepare, |line| tally.add(line));
+    if !options.portable {
+        let mut examples = shell::cargo(&workspace.root, &["test", "--workspace", "--doc", "--no-fail-fast", "--"]);
+        prepare(examples.args(arguments(options, "")));
+        succeeded &= shell::run_lines(&mut examples, |line| tally.add(line))?;
     }
     let skipped = skipped.read();
     for line in &skipped {
@@ -118,29 +129,31 @@ fn default_driver() -> Driver {
     if told || drivers::system_lavapipe().is_none() { Driver::System } else { Driver::Lavapipe }
 }
 
-/// The arguments of cargo's runs, up to the names of tests.
-fn selections(options: &TestOptions) -> Vec<Vec<&'static str>> {
-    if !options.portable {
-        return vec![vec!["--"]];
+/// The arguments of a test program.
+fn arguments(options: &TestOptions, program: &str) -> Vec<String> {
+    let mut arguments = options.filter.clone();
+    if options.portable && !PORTABLE_PROGRAMS.contains(&program) {
+        arguments.push(PORTABLE.to_owned());
     }
-    let programs = PORTABLE_PROGRAMS.iter().flat_map(|program| ["--test", program]);
-    vec![programs.chain(["--"]).collect(), vec!["--", PORTABLE]]
+    if options.long {
+        arguments.push("--include-ignored".to_owned());
+    }
+    arguments.extend_from_slice(&options.arguments);
+    arguments
 }
 
-/// One run of cargo, with what the tests rely on in its environment.
-fn test_command(workspace: &Workspace, options: &TestOptions, selection: &[&str]) -> Command {
-    let mut command = shell::cargo(&workspace.root, &["test", "--workspace", "--no-fail-fast"]);
-    command.args(selection).args(&options.filter).args(&options.arguments).env("SHADOWGRAPH_VALIDATION", "1");
+/// What the tests rely on.
+fn environment(command: &mut Command, workspace: &Workspace, options: &TestOptions) {
+    command.env("SHADOWGRAPH_VALIDATION", "1");
     if let Some(scenes) = scenes(workspace) {
         command.env("SHADOWGRAPH_SCENES", scenes);
     }
     if options.long {
-        command.arg("--include-ignored").env("SHADOWGRAPH_LONG", "1");
+        command.env("SHADOWGRAPH_LONG", "1");
     }
     if options.strict {
         command.env("SHADOWGRAPH_CI", "1");
     }
-    command
 }
 
 /// The file to which a test that cannot run adds a line: its name, a colon, and the reason.
@@ -187,10 +200,10 @@ mod tests {
 
     #[test]
     fn portable_tests_are_whole_programs_and_names() {
-        assert_eq!(selections(&TestOptions::default()), [["--"]]);
-        let portable = selections(&TestOptions { portable: true, ..TestOptions::default() });
-        assert_eq!(portable[0][..3], ["--test", "gpu_device", "--test"]);
-        assert_eq!(portable[1], ["--", "portable_"]);
+        let portable = TestOptions { portable: true, ..TestOptions::default() };
+        assert_eq!(arguments(&TestOptions::default(), "plan_order"), [""; 0]);
+        assert_eq!(arguments(&portable, "gpu_device"), [""; 0]);
+        assert_eq!(arguments(&portable, "plan_order"), [PORTABLE]);
         for program in PORTABLE_PROGRAMS {
             let file = format!("{}/../../tests/tests/{program}.rs", env!("CARGO_MANIFEST_DIR"));
             assert!(fs::exists(&file).is_ok_and(|exists| exists), "{file}");
