@@ -126,6 +126,25 @@ impl Buffer {
         Ok(unsafe { self.0.device.raw.get_buffer_device_address(&info) })
     }
 
+    /// Has the system back mapped memory with pages at once rather than one by one as they are first touched. Contents
+    /// stay, and the device may use them meanwhile. Only Linux can; a driver's own mappings have their pages already.
+    pub(crate) fn populate(&self) {
+        #[cfg(target_os = "linux")]
+        if let Some(Mapped(first)) = &*self.0.mapped.read().unwrap_or_else(PoisonError::into_inner) {
+            let page = rustix::param::page_size();
+            let skipped = first.as_ptr().align_offset(page);
+            let whole = (self.0.size as usize).saturating_sub(skipped) / page * page;
+            // SAFETY: these bytes lie in the buffer's memory, mapped as long as it; the advice changes none of them.
+            let advised = unsafe {
+                let start = first.as_ptr().wrapping_add(skipped);
+                rustix::mm::madvise(start.cast(), whole, rustix::mm::Advice::LinuxPopulateWrite)
+            };
+            if let Err(error) = advised {
+                log::trace!("{} is backed as it is touched: {error}", self.0.name);
+            }
+        }
+    }
+
     /// Copies bytes into mapped memory. The device must not be using that part.
     ///
     /// # Errors

@@ -33,6 +33,11 @@ impl Capture {
         Ok(Self { name: root.name.clone(), shape, buffer, mips, layer_sizes })
     }
 
+    /// Has its memory ready before the device gets there.
+    pub(super) fn populate(&self) {
+        self.buffer.populate();
+    }
+
     /// Looks at all bytes: mips one after the other, in each its layers, rows from the top, tightly packed.
     ///
     /// # Errors

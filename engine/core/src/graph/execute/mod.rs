@@ -306,6 +306,8 @@ impl<'g> Executor<'g> {
         let mut wanted = Vec::new();
         later.into_iter().for_each(|work| work.pipelines(&mut wanted));
         let made = self.pipelines.all(self.gpu, &wanted);
+        // What is read back is written last.
+        captures.iter().flatten().for_each(Capture::populate);
         self.gpu.wait(token)?;
         made?;
         let running = submitted.elapsed();
