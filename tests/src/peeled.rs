@@ -9,7 +9,7 @@ use crate::soup::{Kind, Kitchen, Random, Soup};
 
 /// An A-buffer whose nodes round nothing: what is peeled is not stored either.
 pub const ABUFFER: ABuffer =
-    ABuffer { build: Build::Arrays, format: NodeFormat::Float, exponent: 0, memory: u64::MAX, bands: 1 };
+    ABuffer { build: Build::Arrays, format: NodeFormat::Float, exponent: 0, memory: u64::MAX, bands: 1, layers: 0 };
 
 /// Against the twin in double precision, and against the A-buffer by what `compare` makes of a soup, the picture found and
 /// the A-buffer's.

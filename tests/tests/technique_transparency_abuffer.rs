@@ -1,7 +1,7 @@
 //! The A-buffer against a twin that rasterises by Vulkan's rules and composites in double precision.
 #![allow(missing_docs, clippy::unwrap_used)]
 
-use glam::{Mat4, Vec3};
+use glam::{DVec4, Mat4, Vec3};
 use shadowgraph::capture::auto_exposure;
 use shadowgraph::frame::Transparency;
 use shadowgraph::gpu::Feature;
@@ -13,7 +13,8 @@ use shadowgraph_tests::exr_file::Part;
 use shadowgraph_tests::figures::{self, Check, Figure, Picture};
 use shadowgraph_tests::panes::{capture, compare, glass, panes};
 use shadowgraph_tests::render::{Subject, only};
-use shadowgraph_tests::soup::{Found, Kind, Kitchen, Random, Soup};
+use shadowgraph_tests::soup::{DEPTH_MARGIN, Found, Kind, Kitchen, Random, Soup};
+use shadowgraph_tests::twin::layers::close_call;
 
 const LISTS: ABuffer = ABuffer {
     build: Build::Lists(Sizing::Counted),
@@ -21,6 +22,7 @@ const LISTS: ABuffer = ABuffer {
     exponent: 0,
     memory: u64::MAX,
     bands: 1,
+    layers: 0,
 };
 const ARRAYS: ABuffer = ABuffer { build: Build::Arrays, ..LISTS };
 
@@ -311,6 +313,59 @@ fn transparency_abuffer_knows_the_nearest_layer() {
             comparison.error(i, if found == expected { 0.0 } else { found - expected });
         }
         Check::new(comparison, 1.0, 0.0).demand();
+    }
+    silent(shared());
+}
+
+/// The layers of each pixel, one by one, against those that the twin sorted: colours, alpha, distance.
+fn nearest(soup: &Soup, found: &Found, tolerance: f64) -> Vec<Check> {
+    let sorted = soup.fragments();
+    let check = |(k, (colors, distances)): (usize, &(Vec<[f32; 4]>, Vec<f32>))| {
+        let mut comparison = Comparison::new(format!("{}: layer {k}", soup.name), soup.size, tolerance);
+        for (i, own) in sorted.iter().enumerate() {
+            if !soup.sure(i, own) || close_call(own, DEPTH_MARGIN) {
+                comparison.leave_out(i, "near in depth");
+                continue;
+            }
+            let color = own.get(k).map_or(DVec4::ZERO, |fragment| fragment.color);
+            let distance = own.get(k).map_or(f64::INFINITY, |fragment| 1.0 - fragment.depth);
+            let color = (DVec4::from(colors[i].map(f64::from)) - color).abs().max_element();
+            let found = f64::from(distances[i]);
+            comparison.error(i, color.max(if found == distance { 0.0 } else { (found - distance).abs() }));
+        }
+        Check::new(comparison, 1.0, 0.1)
+    };
+    found.layers.iter().enumerate().map(check).collect()
+}
+
+/// Every layer on request is the one that the twin has there, of arrays, of lists and of bands; the last one asked for is
+/// one more than any pixel has.
+#[test]
+fn transparency_abuffer_gives_each_layer() {
+    let soups = [
+        (Soup::random(5, [32, 32], 12, 20).with_any_alpha(), NodeFormat::Float, 1e-5),
+        (Soup::coplanar([32, 32], 21), NodeFormat::Compact, 4e-3),
+        (Soup::interpenetrating([32, 32], 12).made_of(&[Kind::Glass, Kind::Blend]), NodeFormat::FloatTinted, 1e-5),
+    ];
+    for (soup, format, tolerance) in soups {
+        let deepest = soup.fragments().iter().map(Vec::len).max().unwrap() as u32;
+        let mut kitchen = Kitchen::new(shared(), &soup);
+        let arrays = ABuffer { format, layers: deepest + 1, ..ARRAYS };
+        let found = kitchen.run(arrays, false).unwrap();
+        assert_eq!(found.layers.len() as u32, deepest + 1);
+        for check in nearest(&soup, &found, tolerance) {
+            check.demand();
+        }
+        assert!(found.layers[0].1 == found.front && found.layers[deepest as usize].1.iter().all(|z| z.is_infinite()));
+        let lists = kitchen.run(ABuffer { build: Build::Lists(Sizing::Guessed(7)), ..arrays }, false).unwrap();
+        assert!(lists.layers == found.layers, "{}: lists", soup.name);
+        if deepest < 16 {
+            let banded = kitchen.run(ABuffer { memory: 128 << 10, bands: 8, ..arrays }, false).unwrap();
+            assert!(banded.layers == found.layers, "{}: bands", soup.name);
+        }
+        // One layer further back is another layer.
+        let shifted = Found { layers: found.layers[1..].to_vec(), ..found };
+        assert!(nearest(&soup, &shifted, tolerance)[0].fails());
     }
     silent(shared());
 }

@@ -44,14 +44,12 @@ impl ABuffer {
     ) -> Composited {
         // 1. How many fragments each pixel has.
         let count = count(graph, NAME, depth, fragments);
-        let mut onto = Resolved::new(graph, color);
+        let mut onto = Resolved::new(graph, self.layers, color);
         if self.bands <= 1 {
             // 2. All at once: arrays, then sort and composite.
             let (arrays, totals) = self.arrays(graph, NAME, depth, fragments, &count);
             let (onto, room) = self.over(graph, view, arrays, onto);
-            let Resolved { color, report, front } = onto;
-            let (nodes, known) = (Some(room.nodes), Known::Totals(totals));
-            return Composited { color, count, front, nodes, report, known, counter: None };
+            return onto.composited(count, Some(room.nodes), Known::Totals(totals), None);
         }
 
         // 3. Or band by band: the host parts the picture's rows.
@@ -67,8 +65,7 @@ impl ABuffer {
             let arrays = self.fill(graph, name, (scanned, frame, frame), (depth, fragments, within), &count, room);
             (onto, room) = self.over(graph, view, arrays, onto);
         }
-        let Resolved { color, report, front } = onto;
-        Composited { color, count, front, nodes: None, report, known: Known::Rows(rows), counter: None }
+        onto.composited(count, None, Known::Rows(rows), None)
     }
 
     /// An array for each pixel of the whole picture, of exactly the right size. `name` stands before the names of passes

@@ -36,7 +36,7 @@ impl ABuffer {
         let block = move |capacity, used| blocks::ABufferFrame { size, first_row: 0, capacity, used };
         let count = graph.image("abuffer.count", ImageShape::new_2d(vk::Format::R32_SFLOAT, size));
         let count = graph.clear("abuffer.count.begin", count, vk::ClearColorValue::default());
-        let onto = Resolved::new(graph, color);
+        let onto = Resolved::new(graph, self.layers, color);
         let (resolved, count, totals, counter) = match sizing {
             Sizing::Counted => {
                 // 1. How many fragments there are, then lists of as many nodes.
@@ -79,9 +79,7 @@ impl ABuffer {
                 (self.resolve(graph, view, &built, sorted, onto).0, count, totals, counter)
             }
         };
-        let Resolved { color, report, front } = resolved;
-        let known = Known::Totals(totals);
-        Composited { color, count, front, nodes: None, report, known, counter: Some(counter) }
+        resolved.composited(count, None, Known::Totals(totals), Some(counter))
     }
 
     /// Builds lists where `wanted` says so when the frame gets there.

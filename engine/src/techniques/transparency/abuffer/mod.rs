@@ -7,12 +7,14 @@
 mod arrays;
 mod bands;
 mod lists;
+mod nearest;
 mod node;
 mod resolve;
 mod scan;
 mod sorted;
 mod told;
 
+pub use nearest::NearestLayer;
 pub use node::{COMPACT_TRIANGLES, Node, NodeFormat};
 pub use resolve::MOST_LAYERS;
 pub use sorted::{MOST_SORTED, SortedLists};
@@ -43,12 +45,22 @@ pub struct ABuffer {
     /// Bands of rows that arrays may be built in, one after the other, where the whole picture does not fit into `memory`.
     /// Each is some twenty passes, which do nothing where it is not needed. With 1 the picture is built at once.
     pub bands: u32,
+    /// How many of the nearest layers of each pixel are images of their own ([`Composited::layers`]), each a pass over
+    /// all nodes.
+    pub layers: u32,
 }
 
 impl Default for ABuffer {
     /// Counted arrays of compact nodes, as many as the device has room for.
     fn default() -> Self {
-        Self { build: Build::default(), format: NodeFormat::default(), exponent: 0, memory: u64::MAX, bands: 1 }
+        Self {
+            build: Build::default(),
+            format: NodeFormat::default(),
+            exponent: 0,
+            memory: u64::MAX,
+            bands: 1,
+            layers: 0,
+        }
     }
 }
 
@@ -79,6 +91,8 @@ pub struct Composited {
     pub count: ImageHandle,
     /// Distance of the nearest layer along the view axis, metres, R32 float; infinite where there is none.
     pub front: ImageHandle,
+    /// The nearest layers, as many as [`ABuffer::layers`] asks for.
+    pub layers: Vec<NearestLayer>,
     /// Nodes of [`Build::Arrays`], R32G32B32A32 uint texels row by row, for [`ABuffer::unpack`]: those of the first pixel,
     /// then those of the next in its row, each pixel's in any order. `None` where there may be several bands.
     pub nodes: Option<ImageHandle>,

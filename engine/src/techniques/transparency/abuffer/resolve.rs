@@ -4,9 +4,10 @@ use std::mem::offset_of;
 
 use ash::vk;
 
+use super::nearest::Nearest;
 use super::told::{Amount, Told};
-use super::{ABuffer, Built};
-use crate::graph::{BufferHandle, Graph, ImageHandle, ImageShape};
+use super::{ABuffer, Built, Composited, Known};
+use crate::graph::{BufferHandle, Checkpoint, Graph, ImageHandle, ImageShape};
 use crate::scene::{View, ViewSet};
 use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::abuffer::{
@@ -34,17 +35,31 @@ pub(super) struct Resolved {
     pub(super) color: ImageHandle,
     pub(super) report: BufferHandle,
     pub(super) front: ImageHandle,
+    pub(super) nearest: Nearest,
 }
 
 impl Resolved {
     /// Onto `color`: nothing went wrong so far, and there is no layer.
-    pub(super) fn new(graph: &mut Graph, color: ImageHandle) -> Self {
+    pub(super) fn new(graph: &mut Graph, layers: u32, color: ImageHandle) -> Self {
         let report = graph.buffer("abuffer.report", size_of::<blocks::ABufferReport>() as u64);
         let report = graph.fill("abuffer.report.begin", report, 0);
         let front = graph.image("abuffer.front", ImageShape::new_2d(vk::Format::R32_SFLOAT, color.size()));
         let nothing = vk::ClearColorValue { float32: [f32::INFINITY; 4] };
         let front = graph.clear("abuffer.front.begin", front, nothing);
-        Self { color, report, front }
+        let nearest = Nearest::new(graph, layers, color.size());
+        Self { color, report, front, nearest }
+    }
+
+    /// With what is known besides.
+    pub(super) fn composited(
+        self,
+        count: ImageHandle,
+        nodes: Option<ImageHandle>,
+        known: Known,
+        counter: Option<Checkpoint<u32>>,
+    ) -> Composited {
+        let Self { color, report, front, nearest } = self;
+        Composited { color, count, front, layers: nearest.layers, nodes, report, known, counter }
     }
 }
 
@@ -60,7 +75,9 @@ impl ABuffer {
     ) -> (Resolved, [ImageHandle; 2]) {
         let onto = self.short(graph, built, onto);
         let (onto, sorted) = self.long(graph, built, sorted, onto);
-        (Resolved { front: self.front(graph, view, built, onto.front), ..onto }, sorted)
+        let front = self.front(graph, view, built, onto.front);
+        let nearest = self.nearest(graph, view, built, onto.nearest);
+        (Resolved { front, nearest, ..onto }, sorted)
     }
 
     /// Two images that long lists are sorted in.
@@ -76,7 +93,7 @@ impl ABuffer {
 
     /// Pixels of few nodes, class by class.
     fn short(&self, graph: &mut Graph, built: &Built, onto: Resolved) -> Resolved {
-        let Resolved { mut color, mut report, front } = onto;
+        let Resolved { mut color, mut report, front, nearest } = onto;
         let groups = offset_of!(blocks::Totals, class_groups) as u64;
         for (class, slots) in [4, 8, SHORT].into_iter().enumerate() {
             let mut pass = graph.compute(format!("{}.resolve.{slots}", built.name), &resolve_comp::SHADER);
@@ -93,7 +110,7 @@ impl ABuffer {
             report = pass.write(resolve_comp::REPORT, report);
             pass.dispatch_indirect(&built.scanned.totals, groups + GROUPS * class as u64);
         }
-        Resolved { color, report, front }
+        Resolved { color, report, front, nearest }
     }
 
     /// Pixels of more nodes: sorted in memory. Where there are none, nothing is dispatched. After an even number of merges a
@@ -144,7 +161,7 @@ impl ABuffer {
         sorted: [ImageHandle; 2],
         onto: Resolved,
     ) -> (Resolved, [ImageHandle; 2]) {
-        let Resolved { color, report, front } = onto;
+        let Resolved { color, report, front, nearest } = onto;
         let Built { name, scanned, frame, .. } = built;
         let [even, odd] = self.merged(graph, built, sorted);
         let mut pass = graph.compute(format!("{name}.long.composite"), &long_composite_comp::SHADER);
@@ -161,7 +178,7 @@ impl ABuffer {
         let color = pass.write(long_composite_comp::COLOR, color);
         let report = pass.write(long_composite_comp::REPORT, report);
         pass.dispatch_indirect(&scanned.totals, LONG_GROUPS);
-        (Resolved { color, report, front }, [even, odd])
+        (Resolved { color, report, front, nearest }, [even, odd])
     }
 
     /// Nodes of long lists, side by side.
