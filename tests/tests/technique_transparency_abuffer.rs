@@ -5,12 +5,13 @@ use glam::{DVec4, Mat4, Vec3};
 use shadowgraph::capture::auto_exposure;
 use shadowgraph::frame::Transparency;
 use shadowgraph::gpu::Feature;
-use shadowgraph::techniques::transparency::abuffer::{ABuffer, Build, NodeFormat, Sizing};
+use shadowgraph::techniques::transparency::abuffer::{ABuffer, Build, IN_PLACE_MOST, LongSort, NodeFormat, Sizing};
 use shadowgraph::techniques::transparency::depth_peeling::DepthPeeling;
 use shadowgraph_tests::compare::Comparison;
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::exr_file::Part;
 use shadowgraph_tests::figures::{self, Check, Figure, Picture};
+use shadowgraph_tests::harness::is_long;
 use shadowgraph_tests::panes::{capture, compare, glass, panes};
 use shadowgraph_tests::render::{Subject, only};
 use shadowgraph_tests::soup::{DEPTH_MARGIN, Found, Kind, Kitchen, Random, Soup};
@@ -23,6 +24,7 @@ const LISTS: ABuffer = ABuffer {
     memory: u64::MAX,
     bands: 1,
     layers: 0,
+    long_sort: LongSort::Blocks,
 };
 const ARRAYS: ABuffer = ABuffer { build: Build::Arrays, ..LISTS };
 
@@ -344,10 +346,10 @@ fn nearest(soup: &Soup, found: &Found, tolerance: f64) -> Vec<Check> {
 fn transparency_abuffer_gives_each_layer() {
     let soups = [
         (Soup::random(5, [32, 32], 12, 20).with_any_alpha(), NodeFormat::Float, 1e-5),
-        (Soup::coplanar([32, 32], 21), NodeFormat::Compact, 4e-3),
-        (Soup::interpenetrating([32, 32], 12).made_of(&[Kind::Glass, Kind::Blend]), NodeFormat::FloatTinted, 1e-5),
+        (Soup::interpenetrating([32, 32], 12), NodeFormat::Float, 1e-5),
+        (Soup::coplanar([32, 32], 21).made_of(&[Kind::Glass, Kind::Blend]), NodeFormat::CompactTinted, 4e-3),
     ];
-    for (soup, format, tolerance) in soups {
+    for (soup, format, tolerance) in soups.into_iter().take(if is_long() { 3 } else { 2 }) {
         let deepest = soup.fragments().iter().map(Vec::len).max().unwrap() as u32;
         let mut kitchen = Kitchen::new(shared(), &soup);
         let arrays = ABuffer { format, layers: deepest + 1, ..ARRAYS };
@@ -366,6 +368,41 @@ fn transparency_abuffer_gives_each_layer() {
         // One layer further back is another layer.
         let shifted = Found { layers: found.layers[1..].to_vec(), ..found };
         assert!(nearest(&soup, &shifted, tolerance)[0].fails());
+    }
+    silent(shared());
+}
+
+/// Every way to sort gives the same bytes: random orders, presorted and turned ones, ties, lists on both sides of what is
+/// sorted in place, and of every length.
+#[test]
+fn transparency_abuffer_sorts_alike_by_every_method() {
+    let most = IN_PLACE_MOST as usize;
+    // Rectangles whose depth falls, grows, and falls and grows, in the order that they are drawn.
+    let by_depth = |depth: fn(usize) -> usize| {
+        let mut soup = Soup::random(21, [8, 8], 0, most);
+        for (i, triangle) in soup.triangles.iter_mut().enumerate() {
+            triangle.depth = [0.3 + depth(i / 2) as f32 / 2048.0; 3];
+        }
+        soup.in_objects_of(1000)
+    };
+    let mut soups = vec![
+        Soup::random(22, [8, 8], 40, most + 9).in_objects_of(100),
+        by_depth(|i| if i % 2 == 0 { i } else { 1000 - i }),
+    ];
+    if is_long() {
+        soups.extend([by_depth(|i| i), by_depth(|i| 1000 - i), Soup::coplanar([32, 32], 40)]);
+        soups.extend((17..70).map(|layers| Soup::random(layers as u64, [8, 8], 0, layers)));
+    }
+    for soup in soups {
+        let mut kitchen = Kitchen::new(shared(), &soup);
+        let blocks = kitchen.run(ARRAYS, false).unwrap();
+        assert!(blocks.longest > 16, "{}", soup.name);
+        for long_sort in [LongSort::Shell, LongSort::Heap, LongSort::Bitonic] {
+            for build in [ARRAYS, LISTS] {
+                let found = kitchen.run(ABuffer { long_sort, ..build }, false).unwrap();
+                assert!(found.color == blocks.color && found.report == [0, 0], "{}: {long_sort:?}", soup.name);
+            }
+        }
     }
     silent(shared());
 }

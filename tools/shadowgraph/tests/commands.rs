@@ -394,7 +394,7 @@ fn layers_of_the_abuffer_come_by_number() {
     let folder = tempfile::tempdir().unwrap();
     let courtyard = ["capture", "builtin:courtyard", "--size", "64x36", "--transparency", "abuffer", "-o", "out.exr"];
     let with = |layers: &str| {
-        succeeds(&folder, &[&courtyard[..], &["--validation", "--layers", layers]].concat());
+        succeeds(&folder, &[&courtyard[..], &["--validation", "--reproducible", "--layers", layers]].concat());
         let file = fs::read(folder.path().join("out.exr")).unwrap();
         let header = String::from_utf8_lossy(&file[..file.len().min(1 << 16)]).into_owned();
         ["abuffer.0.R", "abuffer.2.A", "abuffer.2.Z", "abuffer.count"].map(|channel| header.contains(channel))

@@ -59,7 +59,7 @@ impl ABuffer {
         for index in 0..self.bands as usize {
             let name = format!("{NAME}.{index}");
             let frame = told.frame(graph, depth.size(), index);
-            let scanned = scan(graph, &name, &count, frame);
+            let scanned = scan(graph, &name, &count, frame, self.long_sort);
             let (told, width) = (told.clone(), depth.size()[0]);
             let within = move |draw| in_band(told, index, width, draw);
             let arrays = self.fill(graph, name, (scanned, frame, frame), (depth, fragments, within), &count, room);
@@ -80,7 +80,7 @@ impl ABuffer {
     ) -> (Arrays, Checkpoint<blocks::Totals>) {
         let size = depth.size();
         let counted = graph.data(&[blocks::ABufferFrame { size, first_row: 0, capacity: 0, used: 1 }]);
-        let scanned = scan(graph, name, count, counted);
+        let scanned = scan(graph, name, count, counted, self.long_sort);
         let totals = graph.checkpoint(format!("{name}.totals"), &scanned.totals);
         let told = Told::Totals(totals.clone());
         let room = self.room(graph, name, &told, size);

@@ -130,7 +130,7 @@ impl ABuffer {
         let count = pass.write(list_counts_comp::COUNTS, count);
         pass.dispatch([size[0], size[1], 1]);
 
-        let scanned = scan(graph, name, &count, frame);
+        let scanned = scan(graph, name, &count, frame, self.long_sort);
         let totals = graph.checkpoint(format!("{name}.totals"), &scanned.totals);
         let told = Told::Totals(totals.clone());
         let work = told.pixels(graph, format!("{name}.work"), size[0], size_of::<blocks::Pixel>() as u64);

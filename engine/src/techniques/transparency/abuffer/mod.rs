@@ -16,7 +16,7 @@ mod told;
 
 pub use nearest::NearestLayer;
 pub use node::{COMPACT_TRIANGLES, Node, NodeFormat};
-pub use resolve::MOST_LAYERS;
+pub use resolve::{IN_PLACE_MOST, MOST_LAYERS};
 pub use sorted::{MOST_SORTED, SortedLists};
 
 use self::node::TEXEL;
@@ -48,6 +48,8 @@ pub struct ABuffer {
     /// How many of the nearest layers of each pixel are images of their own ([`Composited::layers`]), each a pass over
     /// all nodes.
     pub layers: u32,
+    /// How pixels of more than 16 layers are sorted.
+    pub long_sort: LongSort,
 }
 
 impl Default for ABuffer {
@@ -60,6 +62,7 @@ impl Default for ABuffer {
             memory: u64::MAX,
             bands: 1,
             layers: 0,
+            long_sort: LongSort::default(),
         }
     }
 }
@@ -72,6 +75,34 @@ pub enum Build {
     Arrays,
     /// Linked lists, nodes allocated by one counter: the reference that the arrays are measured against.
     Lists(Sizing),
+}
+
+/// How pixels of more layers than fit into registers are sorted. The picture is the same. In place, an invocation sorts a
+/// pixel of up to [`IN_PLACE_MOST`] layers in memory; more are sorted in blocks anyway.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LongSort {
+    /// Blocks of 16 in registers by a network, an invocation a block, then merged two to one (after Knowles, Leach and
+    /// Zambetta 2014, "Fast sorting for exact OIT of complex scenes").
+    #[default]
+    Blocks,
+    /// In place, by Shell's method.
+    Shell,
+    /// In place, by a heap.
+    Heap,
+    /// In place, by Batcher's bitonic network.
+    Bitonic,
+}
+
+impl LongSort {
+    /// As `totals.glsl` has it.
+    fn number(self) -> u32 {
+        match self {
+            Self::Blocks => 0,
+            Self::Shell => 1,
+            Self::Heap => 2,
+            Self::Bitonic => 3,
+        }
+    }
 }
 
 /// How many nodes linked lists have room for.

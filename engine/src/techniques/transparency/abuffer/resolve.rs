@@ -6,12 +6,13 @@ use ash::vk;
 
 use super::nearest::Nearest;
 use super::told::{Amount, Told};
-use super::{ABuffer, Built, Composited, Known};
+use super::{ABuffer, Built, Composited, Known, LongSort};
 use crate::graph::{BufferHandle, Checkpoint, Graph, ImageHandle, ImageShape};
 use crate::scene::{View, ViewSet};
 use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::abuffer::{
-    front_comp, long_blocks_comp, long_composite_comp, long_flatten_comp, long_merge_comp, long_runs_comp, resolve_comp,
+    front_comp, long_blocks_comp, long_composite_comp, long_flatten_comp, long_in_place_comp, long_merge_comp,
+    long_runs_comp, resolve_comp,
 };
 use crate::{Error, Result};
 
@@ -20,6 +21,9 @@ pub(super) const SHORT: u32 = 16;
 /// Nodes of a run, and how often runs are merged: `totals.glsl`.
 const RUN: u32 = 2048;
 const MERGES: u32 = 8;
+
+/// Most layers of a pixel that is sorted in place: `totals.glsl`.
+pub const IN_PLACE_MOST: u32 = 512;
 
 /// Most layers of a pixel.
 pub const MOST_LAYERS: u32 = RUN << MERGES;
@@ -118,7 +122,10 @@ impl ABuffer {
     pub(super) fn merged(&self, graph: &mut Graph, built: &Built, [even, odd]: [ImageHandle; 2]) -> [ImageHandle; 2] {
         let Built { name, scanned, .. } = built;
         let totals = &scanned.totals;
-        // 1. Blocks of 16, in registers; of lists, once their nodes stand side by side.
+        // 0. In place, what is short enough where that is asked for.
+        let odd = self.in_place(graph, built, odd);
+
+        // 1. The others in blocks of 16, in registers; of lists, once their nodes stand side by side.
         let odd = if built.linked { self.flatten(graph, built, odd) } else { odd };
         let mut pass = graph.compute(format!("{name}.long.blocks"), &long_blocks_comp::SHADER);
         pass.read(long_blocks_comp::NODES, &built.nodes)
@@ -126,13 +133,16 @@ impl ABuffer {
             .read(long_blocks_comp::TOTALS, totals)
             .read(long_blocks_comp::WORK, &built.work)
             .specialize(long_blocks_comp::NODE_FORMAT, self.format.number())
+            .specialize(long_blocks_comp::LONG_SORT, self.long_sort.number())
             .specialize(long_blocks_comp::LINKED, built.linked);
         let even = pass.write(long_blocks_comp::SORTED, even);
         pass.dispatch_indirect(totals, offset_of!(blocks::Totals, block_groups) as u64);
 
         // 2. Runs of 2048, an invocation each.
         let mut pass = graph.compute(format!("{name}.long.runs"), &long_runs_comp::SHADER);
-        pass.read(long_runs_comp::TOTALS, totals).read(long_runs_comp::WORK, &built.work);
+        pass.read(long_runs_comp::TOTALS, totals)
+            .read(long_runs_comp::WORK, &built.work)
+            .specialize(long_runs_comp::LONG_SORT, self.long_sort.number());
         let mut even = pass.write(long_runs_comp::EVEN, even);
         let mut odd = pass.write(long_runs_comp::ODD, odd);
         pass.dispatch_indirect(totals, offset_of!(blocks::Totals, run_groups) as u64);
@@ -151,6 +161,23 @@ impl ABuffer {
             (even, odd) = if merge % 2 == 0 { (to, from) } else { (from, to) };
         }
         [even, odd]
+    }
+
+    /// Pixels that are sorted where their nodes lie.
+    fn in_place(&self, graph: &mut Graph, built: &Built, sorted: ImageHandle) -> ImageHandle {
+        if self.long_sort == LongSort::Blocks {
+            return sorted;
+        }
+        let mut pass = graph.compute(format!("{}.long.in_place", built.name), &long_in_place_comp::SHADER);
+        pass.read(long_in_place_comp::NODES, &built.nodes)
+            .read(long_in_place_comp::TOTALS, &built.scanned.totals)
+            .read(long_in_place_comp::WORK, &built.work)
+            .specialize(long_in_place_comp::NODE_FORMAT, self.format.number())
+            .specialize(long_in_place_comp::LONG_SORT, self.long_sort.number())
+            .specialize(long_in_place_comp::LINKED, built.linked);
+        let sorted = pass.write(long_in_place_comp::SORTED, sorted);
+        pass.dispatch_indirect(&built.scanned.totals, LONG_GROUPS);
+        sorted
     }
 
     /// Composites pixels of more nodes.
@@ -174,6 +201,7 @@ impl ABuffer {
             .read(long_composite_comp::ODD, &odd)
             .specialize(long_composite_comp::NODE_FORMAT, self.format.number())
             .specialize(long_composite_comp::NODE_UNIT, self.unit())
+            .specialize(long_composite_comp::LONG_SORT, self.long_sort.number())
             .specialize(long_composite_comp::LINKED, built.linked);
         let color = pass.write(long_composite_comp::COLOR, color);
         let report = pass.write(long_composite_comp::REPORT, report);
@@ -188,6 +216,7 @@ impl ABuffer {
             .read(long_flatten_comp::TOTALS, &built.scanned.totals)
             .read(long_flatten_comp::WORK, &built.work)
             .specialize(long_flatten_comp::NODE_FORMAT, self.format.number())
+            .specialize(long_flatten_comp::LONG_SORT, self.long_sort.number())
             .specialize(long_flatten_comp::LINKED, true);
         let to = pass.write(long_flatten_comp::FLAT_NODES, to);
         pass.dispatch_indirect(&built.scanned.totals, LONG_GROUPS);

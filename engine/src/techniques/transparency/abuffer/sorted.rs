@@ -101,7 +101,8 @@ impl ABuffer {
         pass.read(sort_long_comp::TOTALS, &built.scanned.totals)
             .read(sort_long_comp::WORK, &built.work)
             .read(sort_long_comp::EVEN, &even)
-            .read(sort_long_comp::ODD, &odd);
+            .read(sort_long_comp::ODD, &odd)
+            .specialize(sort_long_comp::LONG_SORT, self.long_sort.number());
         let sorted = pass.write(sort_long_comp::SORTED, sorted);
         pass.dispatch_indirect(&built.scanned.totals, LONG_GROUPS);
         sorted
