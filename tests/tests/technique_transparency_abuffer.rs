@@ -11,7 +11,7 @@ use shadowgraph_tests::compare::Comparison;
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::exr_file::Part;
 use shadowgraph_tests::figures::{self, Check, Figure, Picture};
-use shadowgraph_tests::harness::is_long;
+use shadowgraph_tests::harness::{is_long, skip};
 use shadowgraph_tests::panes::{capture, compare, glass, panes};
 use shadowgraph_tests::render::{Subject, only};
 use shadowgraph_tests::soup::{DEPTH_MARGIN, Found, Kind, Kitchen, Random, Soup};
@@ -402,6 +402,26 @@ fn transparency_abuffer_sorts_alike_by_every_method() {
                 let found = kitchen.run(ABuffer { long_sort, ..build }, false).unwrap();
                 assert!(found.color == blocks.color && found.report == [0, 0], "{}: {long_sort:?}", soup.name);
             }
+        }
+    }
+    silent(shared());
+}
+
+/// Nodes allocated by subgroups are no more and no less, and give the same bytes: small triangles and large ones, behind
+/// and before what is opaque, of every format, with too few nodes too.
+#[test]
+fn portable_transparency_abuffer_by_subgroups_is_the_same() {
+    if !shared().caps().has(Feature::FragmentBallot) || !shared().caps().has(Feature::OcclusionQueryPrecise) {
+        return skip("no ballots among fragments, or no precise occlusion queries");
+    }
+    let soup = Soup::random(23, [64, 64], 200, 9).on_grid(shared().caps().limits.sub_pixel_bits);
+    let mut kitchen = Kitchen::new(shared(), &soup);
+    for format in [NodeFormat::Compact, NodeFormat::Half] {
+        let lists = kitchen.run(ABuffer { format, ..LISTS }, false).unwrap();
+        for (sizing, pulled) in [(Sizing::Counted, false), (Sizing::Counted, true), (Sizing::Guessed(99), false)] {
+            let found = kitchen.run(ABuffer { build: Build::SubgroupLists(sizing), format, ..LISTS }, pulled).unwrap();
+            assert_eq!((found.counter, found.nodes), (Some(lists.nodes), lists.nodes), "{format:?}, {sizing:?}");
+            assert!(found.color == lists.color && found.count == lists.count, "{format:?}, {sizing:?}");
         }
     }
     silent(shared());

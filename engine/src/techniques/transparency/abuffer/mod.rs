@@ -27,7 +27,7 @@ use crate::graph::{BufferHandle, Checkpoint, Data, Graph, ImageHandle};
 use crate::scene::View;
 use crate::shader::generated::blocks;
 use crate::techniques::transparency::OrderIndependent;
-use crate::techniques::transparency::fragments::Fragments;
+use crate::techniques::transparency::fragments::{Fragments, Step};
 
 /// A-buffer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,6 +75,9 @@ pub enum Build {
     Arrays,
     /// Linked lists, nodes allocated by one counter: the reference that the arrays are measured against.
     Lists(Sizing),
+    /// The same, with one addition to the counter for all fragments of a subgroup. Needs
+    /// [`crate::gpu::Feature::FragmentBallot`].
+    SubgroupLists(Sizing),
 }
 
 /// How pixels of more layers than fit into registers are sorted. The picture is the same. In place, an invocation sorts a
@@ -171,12 +174,21 @@ struct Built {
     nodes: ImageHandle,
     linked: bool,
     scanned: Scanned,
+    /// Of lists, by node, the next one, where the node itself does not say so.
+    links: Option<ImageHandle>,
     /// By pixel: of arrays, their ends; of lists, their heads.
     ends: ImageHandle,
     /// Pixels that have nodes, class by class.
     work: BufferHandle,
     /// `frame.glsl`'s block.
     frame: Data,
+}
+
+impl Built {
+    /// What stands for links: arrays have none, and nobody reads them.
+    fn links(&self) -> &ImageHandle {
+        self.links.as_ref().unwrap_or(&self.ends)
+    }
 }
 
 impl ABuffer {
@@ -194,7 +206,10 @@ impl ABuffer {
     ) -> Composited {
         match self.build {
             Build::Arrays => self.by_arrays(graph, view, depth, fragments, color),
-            Build::Lists(sizing) => self.by_lists(sizing, graph, view, depth, fragments, color),
+            Build::Lists(sizing) => self.by_lists((Step::Lists, sizing), graph, view, depth, fragments, color),
+            Build::SubgroupLists(sizing) => {
+                self.by_lists((Step::SubgroupLists, sizing), graph, view, depth, fragments, color)
+            }
         }
     }
 }

@@ -57,6 +57,7 @@ impl ABuffer {
             pass.uniform(layer_comp::VIEWS, &ViewSet::from(*view).block())
                 .uniform_data(layer_comp::ABUFFER, built.frame)
                 .read(layer_comp::NODES, &built.nodes)
+                .read(layer_comp::LINKS, built.links())
                 .read(layer_comp::TOTALS, &built.scanned.totals)
                 .read(layer_comp::WORK, &built.work)
                 .specialize(layer_comp::NODE_FORMAT, self.format.number())

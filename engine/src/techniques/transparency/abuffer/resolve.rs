@@ -103,6 +103,7 @@ impl ABuffer {
             let mut pass = graph.compute(format!("{}.resolve.{slots}", built.name), &resolve_comp::SHADER);
             pass.uniform_data(resolve_comp::ABUFFER, built.frame)
                 .read(resolve_comp::NODES, &built.nodes)
+                .read(resolve_comp::LINKS, built.links())
                 .read(resolve_comp::TOTALS, &built.scanned.totals)
                 .read(resolve_comp::WORK, &built.work)
                 .read(resolve_comp::ENDS, &built.ends)
@@ -170,6 +171,7 @@ impl ABuffer {
         }
         let mut pass = graph.compute(format!("{}.long.in_place", built.name), &long_in_place_comp::SHADER);
         pass.read(long_in_place_comp::NODES, &built.nodes)
+            .read(long_in_place_comp::LINKS, built.links())
             .read(long_in_place_comp::TOTALS, &built.scanned.totals)
             .read(long_in_place_comp::WORK, &built.work)
             .specialize(long_in_place_comp::NODE_FORMAT, self.format.number())
@@ -213,6 +215,7 @@ impl ABuffer {
     fn flatten(&self, graph: &mut Graph, built: &Built, to: ImageHandle) -> ImageHandle {
         let mut pass = graph.compute(format!("{}.long.flatten", built.name), &long_flatten_comp::SHADER);
         pass.read(long_flatten_comp::NODES, &built.nodes)
+            .read(long_flatten_comp::LINKS, built.links())
             .read(long_flatten_comp::TOTALS, &built.scanned.totals)
             .read(long_flatten_comp::WORK, &built.work)
             .specialize(long_flatten_comp::NODE_FORMAT, self.format.number())
@@ -229,6 +232,7 @@ impl ABuffer {
         pass.uniform(front_comp::VIEWS, &ViewSet::from(*view).block())
             .uniform_data(front_comp::ABUFFER, built.frame)
             .read(front_comp::NODES, &built.nodes)
+            .read(front_comp::LINKS, built.links())
             .read(front_comp::TOTALS, &built.scanned.totals)
             .read(front_comp::WORK, &built.work)
             .specialize(front_comp::NODE_FORMAT, self.format.number())

@@ -70,6 +70,7 @@ impl<'f> Fragments<'f> for Layers {
             Step::Arrays => Some(&shaders::layers_array_frag::SHADER),
             Step::ArraysInOrder => Some(&shaders::layers_array_in_order_frag::SHADER),
             Step::Lists => Some(&shaders::layers_list_frag::SHADER),
+            Step::SubgroupLists => Some(&shaders::layers_list_subgroup_frag::SHADER),
             Step::Peel => Some(&shaders::layers_peel_frag::SHADER),
             Step::PeelBothEnds => Some(&shaders::layers_peel_both_ends_frag::SHADER),
             Step::Weigh => Some(&shaders::layers_weigh_frag::SHADER),

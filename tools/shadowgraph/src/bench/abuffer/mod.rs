@@ -5,7 +5,8 @@ mod layers;
 
 use ash::vk;
 use glam::Vec3;
-use shadowgraph::gpu::{Gpu, blend};
+use shadowgraph::gpu::{Feature, FormatInfo, Gpu, blend};
+use shadowgraph::graph::description::Shape;
 use shadowgraph::graph::{Executor, Graph, ImageHandle, ImageShape, Load};
 use shadowgraph::scene::{Camera, View, depth};
 use shadowgraph::shader::Program;
@@ -54,6 +55,8 @@ enum Kind {
     Arrays,
     /// The A-buffer by linked lists.
     Lists,
+    /// The same, nodes allocated by subgroups where the device has them.
+    SubgroupLists,
     /// The A-buffer by counted arrays, long lists sorted so.
     Sorted(LongSort),
     /// One of the others.
@@ -81,7 +84,7 @@ struct Times {
     whole: f64,
     build: f64,
     sort: f64,
-    /// Bytes of transient memory.
+    /// Bytes of its images and buffers, without sharing.
     memory: u64,
 }
 
@@ -139,20 +142,21 @@ fn measure(
     // Each node is written and read once, and so is the colour of each pixel that has some.
     let least = 2.0 * (NODE_BYTES * layers.fragments() + COLOR_BYTES * layers.pixels());
     let [nothing, blend, arrays, lists] = KINDS;
-    let kinds = [nothing, blend, arrays, lists, Kind::Filled(least as u64)];
-    let [nothing, blend, arrays, lists, filled] = best(gpu, kinds, layers, runs)?;
+    let kinds = [nothing, blend, arrays, lists, Kind::SubgroupLists, Kind::Filled(least as u64)];
+    let [nothing, blend, arrays, lists, subgroup_lists, filled] = best(gpu, kinds, layers, runs)?;
+    let filling = (filled.whole - nothing.whole).max(1e-9);
     let fragments = layers.fragments();
     let nanoseconds = |seconds: f64| seconds * 1e9 / fragments;
     let blending = (blend.whole - nothing.whole).max(1e-9);
     let case = |kind: &str| format!("{kind} {case}");
     tell(figure(case("blend"), "whole", nanoseconds(blending), "ns/fragment"))?;
-    for (kind, times) in [("arrays", arrays), ("lists", lists)] {
+    for (kind, times) in [("arrays", arrays), ("lists", lists), ("subgroup lists", subgroup_lists)] {
         let whole = times.whole - nothing.whole;
         tell(figure(case(kind), "build", nanoseconds(times.build), "ns/fragment"))?;
         tell(figure(case(kind), "sort, composite", nanoseconds(times.sort), "ns/fragment"))?;
         tell(figure(case(kind), "whole", nanoseconds(whole), "ns/fragment"))?;
         tell(figure(case(kind), "whole to blending", whole / blending, "times"))?;
-        tell(figure(case(kind), "whole to filling the least bytes", whole / filled.build.max(1e-9), "times"))?;
+        tell(figure(case(kind), "whole to filling the least bytes", whole / filling, "times"))?;
         tell(figure(case(kind), "memory", times.memory as f64 / fragments, "bytes/fragment"))?;
         tell(figure(case(kind), "memory to the least bytes", times.memory as f64 / (least / 2.0), "times"))?;
     }
@@ -229,6 +233,13 @@ fn frame(gpu: &Gpu, executor: &mut Executor, kind: Kind, layers: Layers) -> Resu
             let build = Build::Lists(Sizing::Counted);
             composited(&mut graph, ABuffer { build, ..ABuffer::default() }, layers, &depth, color)
         }
+        Kind::SubgroupLists => {
+            let build = match gpu.caps().has(Feature::FragmentBallot) {
+                true => Build::SubgroupLists(Sizing::Counted),
+                false => Build::Lists(Sizing::Counted),
+            };
+            composited(&mut graph, ABuffer { build, ..ABuffer::default() }, layers, &depth, color)
+        }
         Kind::Sorted(long_sort) => {
             composited(&mut graph, ABuffer { long_sort, ..ABuffer::default() }, layers, &depth, color)
         }
@@ -249,9 +260,19 @@ fn frame(gpu: &Gpu, executor: &mut Executor, kind: Kind, layers: Layers) -> Resu
         let sorting = |name: &str| [".resolve.", ".long.", ".sorted."].iter().any(|part| name.contains(part));
         own.filter(|pass| sorting(&pass.name) == sorts).map(|pass| pass.seconds).sum()
     };
-    let heaps = executed.later.iter().map(|segment| segment.plan.statistics.heap_bytes);
-    let memory = heaps.max().unwrap_or(0);
+    // Sizes that followed from a checkpoint are known to the last segment.
+    let memory = executed.later.last().map_or(0, |segment| {
+        let own = segment.description.resources.iter().filter(|resource| resource.name.starts_with("abuffer."));
+        own.map(|resource| bytes(&resource.shape)).sum()
+    });
     Ok(Times { whole: executed.running.as_secs_f64(), build: sum(false), sort: sum(true), memory })
+}
+
+fn bytes(shape: &Shape) -> u64 {
+    match shape {
+        Shape::Buffer { size } => *size,
+        Shape::Image(image) => FormatInfo::of(image.format).map_or(0, |format| format.bytes(image.extent)),
+    }
 }
 
 fn cleared_depth(graph: &mut Graph, size: [u32; 2]) -> ImageHandle {
