@@ -25,6 +25,8 @@ pub struct Found {
     pub count: Vec<f32>,
     /// Distance of the nearest layer.
     pub front: Vec<f32>,
+    /// Of each of the nearest layers: colours, distances.
+    pub layers: Vec<(Vec<[f32; 4]>, Vec<f32>)>,
     /// Pixels whose nodes are not as many as were counted; pixels with a clamped colour.
     pub report: [u32; 2],
     /// Nodes in all.
@@ -74,7 +76,7 @@ impl<'g> Kitchen<'g> {
     pub fn run(&mut self, abuffer: ABuffer, pull_vertices: bool) -> shadowgraph::Result<Found> {
         let mut graph = Graph::new("soup", self.gpu.caps());
         let view = self.view;
-        let Composited { color, count, front, report, known, counter, .. } =
+        let Composited { color, count, front, layers, report, known, counter, .. } =
             record(&mut graph, (&self.scene, view), pull_vertices, |graph, depth, blended, color| {
                 abuffer.record(graph, &view, depth, blended, color)
             });
@@ -82,6 +84,10 @@ impl<'g> Kitchen<'g> {
         graph.capture("count", &count);
         graph.capture("front", &front);
         graph.capture("report", &report);
+        for (index, layer) in layers.iter().enumerate() {
+            graph.capture(format!("layer.{index}"), &layer.color);
+            graph.capture(format!("layer.{index}.Z"), &layer.distance);
+        }
         let plan = graph.compile(self.gpu).map_err(shadowgraph::Error::from)?;
         let executed = self.executor.execute(&plan, graph)?;
         let heaps = executed.later.iter().map(|segment| segment.plan.statistics.heap_bytes);
@@ -91,6 +97,9 @@ impl<'g> Kitchen<'g> {
             color: texels(&executed, "color")?,
             count: texels(&executed, "count")?,
             front: texels(&executed, "front")?,
+            layers: (0..layers.len())
+                .map(|i| Ok((texels(&executed, &format!("layer.{i}"))?, texels(&executed, &format!("layer.{i}.Z"))?)))
+                .collect::<shadowgraph::Result<_>>()?,
             report: texels::<u32>(&executed, "report")?.try_into().unwrap_or([u32::MAX; 2]),
             nodes: nodes as u32,
             longest,

@@ -1,15 +1,22 @@
 //! What holds for both kinds of depth peeling, whose tests call these.
 
 use shadowgraph::techniques::transparency::OrderIndependent;
-use shadowgraph::techniques::transparency::abuffer::{ABuffer, Build, NodeFormat};
+use shadowgraph::techniques::transparency::abuffer::{ABuffer, Build, LongSort, NodeFormat};
 
 use crate::device::{shared, silent};
 use crate::figures::{Check, Picture};
 use crate::soup::{Kind, Kitchen, Random, Soup};
 
 /// An A-buffer whose nodes round nothing: what is peeled is not stored either.
-pub const ABUFFER: ABuffer =
-    ABuffer { build: Build::Arrays, format: NodeFormat::Float, exponent: 0, memory: u64::MAX, bands: 1 };
+pub const ABUFFER: ABuffer = ABuffer {
+    build: Build::Arrays,
+    format: NodeFormat::Float,
+    exponent: 0,
+    memory: u64::MAX,
+    bands: 1,
+    layers: 0,
+    long_sort: LongSort::Blocks,
+};
 
 /// Against the twin in double precision, and against the A-buffer by what `compare` makes of a soup, the picture found and
 /// the A-buffer's.

@@ -6,8 +6,8 @@ use std::cell::Cell;
 use std::time::{Duration, Instant};
 
 use ash::vk::PipelineStageFlags2 as Stages;
-use shadowgraph::graph::description::{Access, Queue, VersionId};
-use shadowgraph::graph::plan::{Plan, plan};
+use shadowgraph::graph::description::{Access, Queue, Shape, VersionId};
+use shadowgraph::graph::plan::{Plan, Planned, plan};
 use shadowgraph_tests::hazard::{Draft, MadeUpDevice};
 
 const COMPUTE: Stages = Stages::COMPUTE_SHADER;
@@ -82,6 +82,49 @@ fn planning_takes_microseconds_a_pass() {
                 each(time),
                 plan.statistics.heap_bytes,
                 plan.statistics.unaliased_bytes
+            );
+        }
+    }
+}
+
+#[test]
+#[ignore = "takes time, and is of use with optimisations alone"]
+fn planning_for_other_sizes_takes_a_part_of_it() {
+    for (name, graph) in SHAPES {
+        let first = graph(1000).description;
+        let with_size = |every: usize| {
+            let mut second = first.clone();
+            for resource in second.resources.iter_mut().step_by(every) {
+                let Shape::Image(shape) = &mut resource.shape else { continue };
+                shape.extent = [128, 128, 1];
+            }
+            second
+        };
+        let device = MadeUpDevice::one_queue();
+        let planned = Planned::new(&first, &device).unwrap();
+        for (what, second) in [("all", with_size(1)), ("every fifth", with_size(5))] {
+            let again = || planned.resized(&first, &second, &device);
+            let Some(kept) = again() else {
+                println!("{name} of 1000, {what} of other sizes: steps come in another order");
+                continue;
+            };
+            assert_eq!(*kept.plan, plan(&second, &device).unwrap());
+            let mut times = [Vec::new(), Vec::new()];
+            for _ in 0..51 {
+                let began = cpu_time();
+                plan(&second, &device).unwrap();
+                let between = cpu_time();
+                again();
+                times[0].push(between - began);
+                times[1].push(cpu_time() - between);
+            }
+            let [anew, again] = times.map(|mut times| {
+                times.sort();
+                times[times.len() / 2].as_secs_f64() * 1e3
+            });
+            let part = again / anew;
+            println!(
+                "{name} of 1000, {what} of other sizes: {anew:.3} us a pass from nothing, {again:.3} again, {part:.2}"
             );
         }
     }

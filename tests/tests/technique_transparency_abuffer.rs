@@ -1,19 +1,21 @@
 //! The A-buffer against a twin that rasterises by Vulkan's rules and composites in double precision.
 #![allow(missing_docs, clippy::unwrap_used)]
 
-use glam::{Mat4, Vec3};
+use glam::{DVec4, Mat4, Vec3};
 use shadowgraph::capture::auto_exposure;
 use shadowgraph::frame::Transparency;
 use shadowgraph::gpu::Feature;
-use shadowgraph::techniques::transparency::abuffer::{ABuffer, Build, NodeFormat, Sizing};
+use shadowgraph::techniques::transparency::abuffer::{ABuffer, Build, IN_PLACE_MOST, LongSort, NodeFormat, Sizing};
 use shadowgraph::techniques::transparency::depth_peeling::DepthPeeling;
 use shadowgraph_tests::compare::Comparison;
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::exr_file::Part;
 use shadowgraph_tests::figures::{self, Check, Figure, Picture};
+use shadowgraph_tests::harness::{is_long, skip};
 use shadowgraph_tests::panes::{capture, compare, glass, panes};
 use shadowgraph_tests::render::{Subject, only};
-use shadowgraph_tests::soup::{Found, Kind, Kitchen, Random, Soup};
+use shadowgraph_tests::soup::{DEPTH_MARGIN, Found, Kind, Kitchen, Random, Soup};
+use shadowgraph_tests::twin::layers::close_call;
 
 const LISTS: ABuffer = ABuffer {
     build: Build::Lists(Sizing::Counted),
@@ -21,6 +23,8 @@ const LISTS: ABuffer = ABuffer {
     exponent: 0,
     memory: u64::MAX,
     bands: 1,
+    layers: 0,
+    long_sort: LongSort::Blocks,
 };
 const ARRAYS: ABuffer = ABuffer { build: Build::Arrays, ..LISTS };
 
@@ -311,6 +315,114 @@ fn transparency_abuffer_knows_the_nearest_layer() {
             comparison.error(i, if found == expected { 0.0 } else { found - expected });
         }
         Check::new(comparison, 1.0, 0.0).demand();
+    }
+    silent(shared());
+}
+
+/// The layers of each pixel, one by one, against those that the twin sorted: colours, alpha, distance.
+fn nearest(soup: &Soup, found: &Found, tolerance: f64) -> Vec<Check> {
+    let sorted = soup.fragments();
+    let check = |(k, (colors, distances)): (usize, &(Vec<[f32; 4]>, Vec<f32>))| {
+        let mut comparison = Comparison::new(format!("{}: layer {k}", soup.name), soup.size, tolerance);
+        for (i, own) in sorted.iter().enumerate() {
+            if !soup.sure(i, own) || close_call(own, DEPTH_MARGIN) {
+                comparison.leave_out(i, "near in depth");
+                continue;
+            }
+            let color = own.get(k).map_or(DVec4::ZERO, |fragment| fragment.color);
+            let distance = own.get(k).map_or(f64::INFINITY, |fragment| 1.0 - fragment.depth);
+            let color = (DVec4::from(colors[i].map(f64::from)) - color).abs().max_element();
+            let found = f64::from(distances[i]);
+            comparison.error(i, color.max(if found == distance { 0.0 } else { (found - distance).abs() }));
+        }
+        Check::new(comparison, 1.0, 0.1)
+    };
+    found.layers.iter().enumerate().map(check).collect()
+}
+
+/// Every layer on request is the one that the twin has there, of arrays, of lists and of bands; the last one asked for is
+/// one more than any pixel has.
+#[test]
+fn transparency_abuffer_gives_each_layer() {
+    let soups = [
+        (Soup::random(5, [32, 32], 12, 20).with_any_alpha(), NodeFormat::Float, 1e-5),
+        (Soup::interpenetrating([32, 32], 12), NodeFormat::Float, 1e-5),
+        (Soup::coplanar([32, 32], 21).made_of(&[Kind::Glass, Kind::Blend]), NodeFormat::CompactTinted, 4e-3),
+    ];
+    for (soup, format, tolerance) in soups.into_iter().take(if is_long() { 3 } else { 2 }) {
+        let deepest = soup.fragments().iter().map(Vec::len).max().unwrap() as u32;
+        let mut kitchen = Kitchen::new(shared(), &soup);
+        let arrays = ABuffer { format, layers: deepest + 1, ..ARRAYS };
+        let found = kitchen.run(arrays, false).unwrap();
+        assert_eq!(found.layers.len() as u32, deepest + 1);
+        for check in nearest(&soup, &found, tolerance) {
+            check.demand();
+        }
+        assert!(found.layers[0].1 == found.front && found.layers[deepest as usize].1.iter().all(|z| z.is_infinite()));
+        let lists = kitchen.run(ABuffer { build: Build::Lists(Sizing::Guessed(7)), ..arrays }, false).unwrap();
+        assert!(lists.layers == found.layers, "{}: lists", soup.name);
+        if deepest < 16 {
+            let banded = kitchen.run(ABuffer { memory: 128 << 10, bands: 8, ..arrays }, false).unwrap();
+            assert!(banded.layers == found.layers, "{}: bands", soup.name);
+        }
+        // One layer further back is another layer.
+        let shifted = Found { layers: found.layers[1..].to_vec(), ..found };
+        assert!(nearest(&soup, &shifted, tolerance)[0].fails());
+    }
+    silent(shared());
+}
+
+/// Every way to sort gives the same bytes: random orders, presorted and turned ones, ties, lists on both sides of what is
+/// sorted in place, and of every length.
+#[test]
+fn transparency_abuffer_sorts_alike_by_every_method() {
+    let most = IN_PLACE_MOST as usize;
+    // Rectangles whose depth falls, grows, and falls and grows, in the order that they are drawn.
+    let by_depth = |depth: fn(usize) -> usize| {
+        let mut soup = Soup::random(21, [8, 8], 0, most);
+        for (i, triangle) in soup.triangles.iter_mut().enumerate() {
+            triangle.depth = [0.3 + depth(i / 2) as f32 / 2048.0; 3];
+        }
+        soup.in_objects_of(1000)
+    };
+    let mut soups = vec![
+        Soup::random(22, [8, 8], 40, most + 9).in_objects_of(100),
+        by_depth(|i| if i % 2 == 0 { i } else { 1000 - i }),
+    ];
+    if is_long() {
+        soups.extend([by_depth(|i| i), by_depth(|i| 1000 - i), Soup::coplanar([32, 32], 40)]);
+        soups.extend((17..70).map(|layers| Soup::random(layers as u64, [8, 8], 0, layers)));
+    }
+    for soup in soups {
+        let mut kitchen = Kitchen::new(shared(), &soup);
+        let blocks = kitchen.run(ARRAYS, false).unwrap();
+        assert!(blocks.longest > 16, "{}", soup.name);
+        for long_sort in [LongSort::Shell, LongSort::Heap, LongSort::Bitonic] {
+            for build in [ARRAYS, LISTS] {
+                let found = kitchen.run(ABuffer { long_sort, ..build }, false).unwrap();
+                assert!(found.color == blocks.color && found.report == [0, 0], "{}: {long_sort:?}", soup.name);
+            }
+        }
+    }
+    silent(shared());
+}
+
+/// Nodes allocated by subgroups are no more and no less, and give the same bytes: small triangles and large ones, behind
+/// and before what is opaque, of every format, with too few nodes too.
+#[test]
+fn portable_transparency_abuffer_by_subgroups_is_the_same() {
+    if !shared().caps().has(Feature::FragmentBallot) || !shared().caps().has(Feature::OcclusionQueryPrecise) {
+        return skip("no ballots among fragments, or no precise occlusion queries");
+    }
+    let soup = Soup::random(23, [64, 64], 200, 9).on_grid(shared().caps().limits.sub_pixel_bits);
+    let mut kitchen = Kitchen::new(shared(), &soup);
+    for format in [NodeFormat::Compact, NodeFormat::Half] {
+        let lists = kitchen.run(ABuffer { format, ..LISTS }, false).unwrap();
+        for (sizing, pulled) in [(Sizing::Counted, false), (Sizing::Counted, true), (Sizing::Guessed(99), false)] {
+            let found = kitchen.run(ABuffer { build: Build::SubgroupLists(sizing), format, ..LISTS }, pulled).unwrap();
+            assert_eq!((found.counter, found.nodes), (Some(lists.nodes), lists.nodes), "{format:?}, {sizing:?}");
+            assert!(found.color == lists.color && found.count == lists.count, "{format:?}, {sizing:?}");
+        }
     }
     silent(shared());
 }

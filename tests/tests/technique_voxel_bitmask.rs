@@ -157,6 +157,26 @@ fn portable_every_way_to_flip_bits_gives_the_same() {
     silent(gpu);
 }
 
+#[test]
+fn columns_deeper_than_a_pass_are_the_same_by_logic_operation() {
+    let gpu = shared();
+    let far = tiny::cuboid(Vec3::new(0.44, 0.44, 0.9), Vec3::new(0.46, 0.47, 1.03), 0);
+    let scene = tiny::one("tetrahedra", vec![(soup(50), Mat4::IDENTITY), (far, Mat4::IDENTITY)]);
+    // Whole passes of 1024 slices, and a last one of a single target.
+    for slices in [1024, 1025, 1300, 2048] {
+        // A thin grid through the middle.
+        let grid = Grid::new(Vec3::new(0.45, 0.45, -0.1), 1.2 / slices as f32, [64, 60, slices]).unwrap();
+        for fill in [Fill::Solid, Fill::Surface] {
+            let [bit, targets] = [Combine::Bit, Combine::LogicOp]
+                .map(|combine| voxelize(gpu, &scene, &grid, Bitmask { axis: Axis::Z, combine, fill }));
+            assert!(bit.count() > 1000 && bit == targets, "{slices} slices, {fill:?}: {} set", bit.count());
+            let beyond = bit.set().filter(|voxel| voxel[2] >= 1024).count();
+            assert!(slices < 1300 || beyond > 100, "{slices} slices, {fill:?}: {beyond} beyond the first pass");
+        }
+    }
+    silent(gpu);
+}
+
 /// Before a scene, in its middle, and with parallel lines of sight.
 fn frusta(scene: &Scene, size: [u32; 3]) -> [(&'static str, FrustumGrid); 3] {
     let around = bounds(scene);

@@ -27,6 +27,9 @@ impl Deep {
     pub const NODES: &str = "deep.nodes";
 }
 
+/// Most layers `abuffer.0`, `abuffer.1`, … that a frame leaves.
+pub const MOST_NUMBERED: u32 = 256;
+
 /// Which layers are wanted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Selection {
@@ -46,6 +49,19 @@ impl Selection {
                 name.strip_prefix(wanted.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
             }),
         }
+    }
+}
+
+impl Selection {
+    /// How many of the things that are numbered from 0, `prefix.0`, `prefix.1`, …, a selection by name asks for: as many
+    /// as there are up to the greatest number. All layers do not ask for any.
+    pub(super) fn numbered(&self, prefix: &str) -> u32 {
+        let Self::Only(names) = self else { return 0 };
+        let number = |name: &String| {
+            let number = name.strip_prefix(prefix)?.strip_prefix('.')?.split('.').next()?;
+            number.parse().ok().filter(|&number: &u32| number < MOST_NUMBERED)
+        };
+        names.iter().filter_map(number).max().map_or(0, |most| most + 1)
     }
 }
 
@@ -127,12 +143,19 @@ impl<'s> Captured<'s> {
         }
     }
 
-    /// Layers of the A-buffer. Its report goes with the picture.
+    /// Layers of the A-buffer: of the nearest ones, those that are asked for. Its report goes with the picture.
     pub(super) fn abuffer(&mut self, graph: &mut Graph, layers: &TransparentLayers) {
         let one = |name: &str| vec![(name.to_string(), 0)];
         self.image(graph, "abuffer.count", one("abuffer.count"), Samples::Float, "abuffer.count", &layers.count);
         self.image(graph, "abuffer.front.Z", one("abuffer.front.Z"), Samples::Float, "abuffer.front", &layers.front);
-        if self.layers.iter().any(|layer| layer.name == "color") {
+        for (index, nearest) in layers.nearest.iter().enumerate() {
+            let name = format!("abuffer.{index}");
+            let channels = ["R", "G", "B", "A"].iter().enumerate().map(|(i, c)| (format!("{name}.{c}"), i)).collect();
+            self.image(graph, &name, channels, Samples::Color, &name, &nearest.color);
+            let name = format!("{name}.Z");
+            self.image(graph, &name, one(&name), Samples::Float, &name, &nearest.distance);
+        }
+        if self.layers.iter().any(|layer| layer.name == "color" || layer.name.starts_with("abuffer.")) {
             graph.capture(ABUFFER_REPORT, &layers.report);
         }
     }

@@ -9,7 +9,7 @@ mod voxels;
 use glam::Vec3;
 
 pub use adaptive::AdaptiveLists;
-pub use layers::{ABUFFER_REPORT, Deep, Layer, Samples, Selection, Source};
+pub use layers::{ABUFFER_REPORT, Deep, Layer, MOST_NUMBERED, Samples, Selection, Source};
 pub use voxels::VoxelVisibility;
 
 use self::shadows::{Shadows, SpotMaps, SunShadow};
@@ -25,7 +25,7 @@ use crate::techniques::surface::depth::DepthPrepass;
 use crate::techniques::surface::gbuffer::{GBuffer, Precision, Surfaces};
 use crate::techniques::surface::position::Position;
 use crate::techniques::transparency::OrderIndependent;
-use crate::techniques::transparency::abuffer::{ABuffer, COMPACT_TRIANGLES, Composited, NodeFormat};
+use crate::techniques::transparency::abuffer::{ABuffer, COMPACT_TRIANGLES, Composited, NearestLayer, NodeFormat};
 use crate::techniques::transparency::adaptive::Adaptive;
 use crate::techniques::transparency::depth_peeling::DepthPeeling;
 use crate::techniques::transparency::dual_depth_peeling::DualDepthPeeling;
@@ -316,14 +316,15 @@ impl FrameSettings {
         };
         // Up to a million cd/m²: highlights of the sun are beyond what nodes hold as they are.
         let bands = if self.deep { 1 } else { self.layer_bands };
-        let abuffer = ABuffer { format, exponent: 4, memory: self.layer_memory, bands, ..ABuffer::default() };
-        let Composited { color, count, front, nodes, report, .. } =
+        let layers = self.layers.numbered("abuffer");
+        let abuffer = ABuffer { format, exponent: 4, memory: self.layer_memory, bands, layers, ..ABuffer::default() };
+        let Composited { color, count, front, layers, nodes, report, .. } =
             abuffer.record(graph, &self.view, depth, blended, color);
         if let Some(nodes) = nodes.filter(|_| self.deep) {
             graph.capture(Deep::COUNT, &count);
             graph.capture(Deep::NODES, &nodes);
         }
-        (color, TransparentLayers { made_by: abuffer, count, front, report })
+        (color, TransparentLayers { made_by: abuffer, count, front, nearest: layers, report })
     }
 }
 
@@ -332,5 +333,6 @@ struct TransparentLayers {
     made_by: ABuffer,
     count: ImageHandle,
     front: ImageHandle,
+    nearest: Vec<NearestLayer>,
     report: BufferHandle,
 }

@@ -27,6 +27,6 @@ uint take_node() {
 void append(Layer layer, uint key) {
     uint node = take_node();
     if (node < abuffer.capacity) {
-        store_node(node, false, key, layer, NO_NODE);
+        store_node(node, key, layer, NO_NODE);
     }
 }

@@ -12,10 +12,39 @@ layout(set = 0, binding = 24, scalar) buffer Counter {
     uint fragment_count;
 };
 
+layout(set = 0, binding = 25, r32ui) writeonly uniform uimage2D links; // by node, where it does not hold `next`
+
+#ifdef BY_SUBGROUP
+// Whether helper invocations take part in ballots.
+layout(constant_id = 10) const bool HELPERS_VOTE = true;
+
+// One addition for all fragments of a subgroup, each of which takes its own of the nodes.
+uint take_node() {
+    uvec4 taking = subgroupBallot(true);
+    uint first = 0u;
+    if (subgroupElect()) {
+        first = atomicAdd(fragment_count, subgroupBallotBitCount(taking));
+    }
+    return subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(taking);
+}
+#else
+uint take_node() {
+    return atomicAdd(fragment_count, 1u);
+}
+#endif
+
 void append(Layer layer, uint key) {
-    uint node = atomicAdd(fragment_count, 1u);
+#ifdef BY_SUBGROUP
+    if (HELPERS_VOTE && gl_HelperInvocation) { // takes no node
+        return;
+    }
+#endif
+    uint node = take_node();
     if (node < abuffer.capacity) {
         uint next = imageAtomicExchange(heads, ivec2(gl_FragCoord.xy), node);
-        store_node(node, true, key, layer, next);
+        store_node(node, key, layer, next);
+        if (LINK_BESIDE) {
+            imageStore(links, node_texel(node), uvec4(next));
+        }
     }
 }

@@ -4,9 +4,9 @@
 #include "transparency/abuffer/work.glsl"
 #include "transparency/abuffer/node.glsl"
 
-// Number of merges of `count` nodes.
+// Number of merges of `count` nodes. What is sorted in place is so in the second image.
 uint merges_of(uint count) {
-    return count > SHORT ? uint(findMSB(count - 1u)) - 3u : 0u;
+    return sorted_in_place(count) ? 1u : count > SHORT ? uint(findMSB(count - 1u)) - 3u : 0u;
 }
 
 // Whether a pixel of this class is at `place`.

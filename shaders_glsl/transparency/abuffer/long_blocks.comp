@@ -31,7 +31,7 @@ void main() {
         return;
     }
     uint done = gl_WorkGroupID.z * SHORT;
-    if (done >= pixel.count) {
+    if (done >= pixel.count || sorted_in_place(pixel.count)) {
         return;
     }
     uint left = pixel.count - done;

@@ -19,7 +19,7 @@ layout(set = 0, binding = 7, rgba32ui) writeonly uniform uimage2D flat_nodes;
 
 void main() {
     Pixel pixel;
-    if (!long_pixel(work_index(), pixel)) {
+    if (!long_pixel(work_index(), pixel) || sorted_in_place(pixel.count)) {
         return;
     }
     uint node = pixel.first;

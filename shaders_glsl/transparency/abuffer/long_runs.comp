@@ -41,7 +41,7 @@ void main() {
         return;
     }
     uint skip = gl_WorkGroupID.z * RUN;
-    if (skip >= pixel.count) {
+    if (skip >= pixel.count || sorted_in_place(pixel.count)) {
         return;
     }
     uint first = pixel.place + skip;

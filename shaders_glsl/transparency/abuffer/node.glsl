@@ -9,7 +9,7 @@
 //   float, tinted      2        depth; key; through red; green  |  red; green; blue; through blue
 //   transmittance      1        depth; key; through (21·21·21, in two words): no colour
 //
-// `next` is there in lists. Lists of the formats that do not show it have one texel more for it. Depth is reversed and
+// `next` is there in lists. Lists of the formats that do not show it have it in an image of its own. Depth is reversed and
 // not negative, so that its bits sort as it does. Of equal depth the larger key is in front.
 
 #include "transparency/composite.glsl"
@@ -28,14 +28,9 @@ layout(constant_id = 4) const float NODE_UNIT = 1.0;
 // Texels of a row of the nodes' image.
 const uint NODE_ROW = 4096u;
 
-// Texels of a node of an array or a list.
-uint node_texels(bool linked) {
-    if (NODE_FORMAT == NODE_COMPACT) {
-        return 1u;
-    }
-    uint own = NODE_FORMAT == NODE_FLOAT || NODE_FORMAT == NODE_FLOAT_TINTED ? 2u : 1u;
-    return linked && NODE_FORMAT != NODE_FLOAT ? own + 1u : own;
-}
+const uint NODE_TEXELS = NODE_FORMAT == NODE_FLOAT || NODE_FORMAT == NODE_FLOAT_TINTED ? 2u : 1u;
+// Whether `next` is in an image of its own.
+const bool LINK_BESIDE = NODE_FORMAT != NODE_COMPACT && NODE_FORMAT != NODE_FLOAT;
 
 ivec2 node_texel(uint texel) {
     return ivec2(texel % NODE_ROW, texel / NODE_ROW);
@@ -100,9 +95,6 @@ uvec4 pack_node(uint texel, float depth, uint key, Layer layer, uint next) {
     }
     if (texel == 1u && NODE_FORMAT == NODE_FLOAT_TINTED) {
         return floatBitsToUint(vec4(rgb, layer.through.b));
-    }
-    if (texel > 0u) {
-        return uvec4(next, 0u, 0u, 0u);
     }
     uvec4 node = uvec4(floatBitsToUint(depth), pack_key(key, layer.alpha), next, 0u);
     if (NODE_FORMAT == NODE_COMPACT) {

@@ -3,12 +3,13 @@
 layout(constant_id = 6) const bool LINKED = false;
 
 layout(set = 0, binding = 22, rgba32ui) readonly uniform uimage2D nodes;
+layout(set = 0, binding = 25, r32ui) readonly uniform uimage2D links; // by node of a list, where it does not hold `next`
 
 // Whether a node's colour does not fit into its first texel.
 const bool BESIDE = NODE_FORMAT == NODE_FLOAT || NODE_FORMAT == NODE_FLOAT_TINTED;
 
 uvec4 node_at(uint node, uint texel) {
-    return imageLoad(nodes, node_texel(node * node_texels(LINKED) + texel));
+    return imageLoad(nodes, node_texel(node * NODE_TEXELS + texel));
 }
 
 uvec4 node_at(uint node) {
@@ -23,7 +24,7 @@ uint node_after(uint node, uvec4 texel) {
     if (NODE_FORMAT == NODE_COMPACT) {
         return texel.w;
     }
-    return NODE_FORMAT == NODE_FLOAT ? texel.z : node_at(node, node_texels(true) - 1u).x;
+    return LINK_BESIDE ? imageLoad(links, node_texel(node)).x : texel.z;
 }
 
 // A key as a signed number that sorts as it does.

@@ -4,14 +4,10 @@
 layout(set = 0, binding = 22, rgba32ui) writeonly uniform uimage2D nodes;
 
 // The fragment's node.
-void store_node(uint node, bool linked, uint key, Layer layer, uint next) {
-    uint texels = node_texels(linked);
-    uint texel = node * texels;
+void store_node(uint node, uint key, Layer layer, uint next) {
+    uint texel = node * NODE_TEXELS;
     imageStore(nodes, node_texel(texel), pack_node(0u, gl_FragCoord.z, key, layer, next));
-    if (texels > 1u) {
+    if (NODE_TEXELS > 1u) {
         imageStore(nodes, node_texel(texel + 1u), pack_node(1u, gl_FragCoord.z, key, layer, next));
-    }
-    if (texels > 2u) {
-        imageStore(nodes, node_texel(texel + 2u), pack_node(2u, gl_FragCoord.z, key, layer, next));
     }
 }

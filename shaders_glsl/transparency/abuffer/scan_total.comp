@@ -26,9 +26,9 @@ void main() {
     work_groups = groups_for(before.pixels[0] + before.pixels[1] + before.pixels[2] + before.pixels[3]);
     uvec3 longs = groups_for(before.pixels[CLASSES - 1u]);
     longs.z = (before.longest + SHORT - 1u) / SHORT;
-    block_groups = longs;
+    block_groups = sorted_in_place(before.longest) ? uvec3(0u) : longs;
     longs.z = (before.longest + RUN - 1u) / RUN;
-    run_groups = longs;
+    run_groups = sorted_in_place(before.longest) ? uvec3(0u) : longs;
     for (uint i = 0u; i < MERGES; ++i) {
         merge_groups[i] = before.longest > RUN << i ? longs : uvec3(0u);
     }

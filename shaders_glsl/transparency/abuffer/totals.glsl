@@ -9,6 +9,19 @@ const uint RUN = 2048u;
 // Runs of RUN nodes are merged this often, each time two to one.
 const uint MERGES = 8u;
 
+// How pixels of more nodes than fit into registers are sorted: in blocks that are merged, or, up to so many nodes, where
+// they lie.
+const uint SORT_BLOCKS = 0u;
+const uint SORT_SHELL = 1u;
+const uint SORT_HEAP = 2u;
+const uint SORT_BITONIC = 3u;
+layout(constant_id = 9) const uint LONG_SORT = SORT_BLOCKS;
+const uint IN_PLACE_MOST = 512u;
+
+bool sorted_in_place(uint count) {
+    return LONG_SORT != SORT_BLOCKS && count <= IN_PLACE_MOST;
+}
+
 #ifndef TOTALS_ACCESS
 #define TOTALS_ACCESS readonly
 #endif

@@ -1,8 +1,12 @@
-// The column mask behind the surface, for an XOR logic operation into TARGETS attachments of 128 voxels each. Of surfaces:
-// the bit of the voxel that holds it, for OR.
+// The column mask behind the surface, for an XOR logic operation into TARGETS attachments of 128 voxels each, from a word of
+// the column on. Of surfaces: the bit of the voxel that holds it, for OR.
 #extension GL_EXT_scalar_block_layout : require
 #include "common/voxels.glsl"
 #include "voxel/bitmask/marked.glsl"
+
+layout(push_constant, scalar) uniform TargetsPush {
+    uint first_word;
+};
 
 layout(location = 0) out uvec4 words_0;
 #if TARGETS > 1
@@ -19,7 +23,8 @@ layout(location = 6) out uvec4 words_6;
 layout(location = 7) out uvec4 words_7;
 #endif
 
-uvec4 words_from(int voxel, uint word) {
+uvec4 words_from(int voxel, uint behind) {
+    uint word = first_word + behind;
     return uvec4(
         marked_bits(voxel, word),
         marked_bits(voxel, word + 1u),

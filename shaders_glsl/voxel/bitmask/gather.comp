@@ -3,10 +3,14 @@
 #extension GL_EXT_samplerless_texture_functions : require
 #include "common/voxels.glsl"
 
-// From attachments to words. `masks` holds 128 voxels of each column a layer.
+// From attachments to words. `masks` holds 128 voxels of each column a layer, from the first of these words on.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
+layout(push_constant, scalar) uniform GatherPush {
+    uint first_word;
+    uint end_word;
+};
 layout(set = 0, binding = 2, scalar) writeonly buffer Bits {
     uint bits[];
 };
@@ -17,10 +21,10 @@ void main() {
     if (any(greaterThanEqual(column, columns.xy))) {
         return;
     }
-    uint word = 0u;
+    uint word = first_word;
     do {
-        uvec4 words = texelFetch(masks, ivec3(column, word / 4u), 0);
+        uvec4 words = texelFetch(masks, ivec3(column, (word - first_word) / 4u), 0);
         uint mask = words[word % 4u] & ~bits_from(int(columns.z), word);
         bits[word_index(column, word)] = mask;
-    } while (++word < words_in_column());
+    } while (++word < end_word);
 }

@@ -88,7 +88,10 @@ pub fn frame_settings(arguments: &FrameArguments, scene: &GpuScene, camera: &Cam
 
 /// Layers that a frame has with an option alone.
 const LAYERS_OF_OPTIONS: [(&str, &str); 3] = [
-    ("abuffer", "--transparency abuffer, where something is blended"),
+    (
+        "abuffer",
+        "--transparency abuffer, where something is blended: abuffer.count, abuffer.front.Z, abuffer.0 to abuffer.255",
+    ),
     ("ambient_occlusion", "--voxels"),
     ("transmittance", "--deep-shadows, where something is blended"),
 ];

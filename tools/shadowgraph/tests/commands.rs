@@ -390,6 +390,21 @@ fn layers_come_in_bands_where_memory_is_short() {
 }
 
 #[test]
+fn layers_of_the_abuffer_come_by_number() {
+    let folder = tempfile::tempdir().unwrap();
+    let courtyard = ["capture", "builtin:courtyard", "--size", "64x36", "--transparency", "abuffer", "-o", "out.exr"];
+    let with = |layers: &str| {
+        succeeds(&folder, &[&courtyard[..], &["--validation", "--reproducible", "--layers", layers]].concat());
+        let file = fs::read(folder.path().join("out.exr")).unwrap();
+        let header = String::from_utf8_lossy(&file[..file.len().min(1 << 16)]).into_owned();
+        ["abuffer.0.R", "abuffer.2.A", "abuffer.2.Z", "abuffer.count"].map(|channel| header.contains(channel))
+    };
+    assert_eq!(with("abuffer.2"), [false, true, true, false]);
+    assert_eq!(with("abuffer"), [false, false, false, true]);
+    is_refused(&[&courtyard[..], &["--layers", "abuffer.256"]].concat(), "abuffer.0 to abuffer.255");
+}
+
+#[test]
 fn glass_throws_coloured_shadows() {
     let folder = tempfile::tempdir().unwrap();
     let courtyard = ["capture", "builtin:courtyard", "--size", "64x36", "--layers", "transmittance", "--validation"];

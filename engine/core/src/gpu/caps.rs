@@ -214,6 +214,8 @@ features! {
     TextureCompressionBc = "textureCompressionBC",
     /// Chosen subgroup sizes.
     SubgroupSizeControl = "subgroupSizeControl",
+    /// Ballots among the fragments of a subgroup.
+    FragmentBallot = "subgroupSupportedOperations",
     /// Vulkan's memory model.
     VulkanMemoryModel = "vulkanMemoryModel",
     /// Atomics over the whole device under Vulkan's memory model.

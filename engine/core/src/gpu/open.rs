@@ -75,7 +75,8 @@ impl Gpu {
     /// dispatch.
     pub unsafe fn from_raw(raw: RawGpu) -> Result<Gpu> {
         let mut caps = select::inspect_raw(&raw.instance, raw.physical_device)?.caps;
-        caps.features.retain(|f| raw.features.contains(f));
+        // Subgroups are there without being asked for.
+        caps.features.retain(|f| raw.features.contains(f) || *f == super::Feature::FragmentBallot);
         caps.queue_family = raw.queue_family;
         match caps.queue_families.get(raw.queue_family as usize) {
             Some(family) if family.graphics && family.compute => {

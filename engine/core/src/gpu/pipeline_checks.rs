@@ -74,6 +74,7 @@ fn feature_of(capability: &str) -> Option<Feature> {
         "ImageGatherExtended" => Feature::ImageGatherExtended,
         "StencilExportEXT" => Feature::StencilExport,
         "FragmentShaderPixelInterlockEXT" => Feature::FragmentShaderInterlock,
+        "GroupNonUniformBallot" => Feature::FragmentBallot,
         "SampleMaskPostDepthCoverage" => Feature::PostDepthCoverage,
         "VulkanMemoryModel" => Feature::VulkanMemoryModel,
         "VulkanMemoryModelDeviceScope" => Feature::VulkanMemoryModelDeviceScope,

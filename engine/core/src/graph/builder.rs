@@ -18,7 +18,7 @@ use super::handle::{BufferHandle, Handle, ImageHandle};
 use super::history::{Declared, KeptHistories};
 use super::name::Name;
 use super::pass::{Bound, ComputePass, RasterPass, Work};
-use super::plan::{DeviceModel, Plan, plan};
+use super::plan::{DeviceModel, Plan, Planned, plan};
 use crate::gpu::{Buffer, Caps, Image};
 use crate::shader::{Program, Shader};
 
@@ -199,9 +199,24 @@ impl<'f> Graph<'f> {
     /// # Errors
     /// All that is wrong with it, at once.
     pub fn compile(&self, device: &dyn DeviceModel) -> Result<Plan, GraphErrors> {
-        let fingerprint = self.fingerprint();
-        let planned = plan(&self.description, device).map(|plan| Plan { fingerprint, ..plan });
-        let partly = planned.as_ref().map_or_else(|_| Vec::new(), |plan| self.written_in_part(plan));
+        let plan = plan(&self.description, device).map(|plan| Plan { fingerprint: self.fingerprint(), ..plan });
+        self.checked(plan, |plan| plan)
+    }
+
+    /// As [`Graph::compile`], going on from the plan of a frame that is like it but for sizes, where there is one.
+    pub(super) fn compile_like<'k>(
+        &self,
+        mut known: impl Iterator<Item = &'k (Description, Planned)>,
+        device: &dyn DeviceModel,
+    ) -> Result<Planned, GraphErrors> {
+        let resized = known.find_map(|(description, planned)| planned.resized(description, &self.description, device));
+        let planned = resized.map_or_else(|| Planned::new(&self.description, device), Ok);
+        self.checked(planned.map(|planned| planned.with_fingerprint(self.fingerprint())), |planned| &planned.plan)
+    }
+
+    /// What was planned, if the typed layer saw nothing wrong either.
+    fn checked<T>(&self, planned: Result<T, GraphErrors>, plan: impl Fn(&T) -> &Plan) -> Result<T, GraphErrors> {
+        let partly = planned.as_ref().map_or_else(|_| Vec::new(), |planned| self.written_in_part(plan(planned)));
         if self.mistakes.is_empty() && partly.is_empty() {
             return planned;
         }

@@ -17,19 +17,21 @@ pub(super) fn write(path: &Path, voxels: &Voxels) -> Result<()> {
     // The side of the cube that the voxels would fill.
     let side = grid.edge() * width.max(height).max(depth) as f32;
     let header = format!("#binvox 1\ndim {width} {depth} {height}\ntranslate {x} {y} {z}\nscale {side}\ndata\n");
-    let columns = (0..width).flat_map(|x| (0..depth).map(move |z| [x, z]));
-    let values = columns.flat_map(|[x, z]| (0..height).map(move |y| [x, y, z])).map(|voxel| voxels.get(voxel));
     write_atomically(path, |file| {
         file.write_all(header.as_bytes())?;
         let (mut run, mut length) = (false, 0);
-        for value in values {
-            if value != run || length == LONGEST {
-                if length > 0 {
-                    file.write_all(&[run.into(), length])?;
+        for slab in voxels.slabs([1, 2, 0]) {
+            for row in slab.rows() {
+                for value in (0..height as usize).map(|y| row[y / 64] >> (y % 64) & 1 == 1) {
+                    if value != run || length == LONGEST {
+                        if length > 0 {
+                            file.write_all(&[run.into(), length])?;
+                        }
+                        (run, length) = (value, 0);
+                    }
+                    length += 1;
                 }
-                (run, length) = (value, 0);
             }
-            length += 1;
         }
         file.write_all(&[run.into(), length])
     })

@@ -51,29 +51,42 @@ struct Mesh {
 impl Mesh {
     fn around(voxels: &Voxels) -> Self {
         let mut mesh = Self::default();
-        for (axis, size) in voxels.grid().size().into_iter().enumerate() {
-            for plane in 0..=size {
-                for outward in [false, true] {
-                    mesh.plane(voxels, axis, plane, outward);
-                }
-            }
+        for axis in 0..3 {
+            let order = [(axis + 1) % 3, (axis + 2) % 3, axis];
+            let [width, height, _] = order.map(|axis| voxels.grid().size()[axis] as usize);
+            // Outside of the grid nothing is set.
+            let none = vec![0; width.div_ceil(64) * height];
+            let mut before = none.clone();
+            let mut plane = 0;
+            let mut next = |behind: &[u64]| {
+                mesh.plane(order, [width, height], plane, [&before, behind], true);
+                mesh.plane(order, [width, height], plane, [behind, &before], false);
+                before.copy_from_slice(behind);
+                plane += 1;
+            };
+            voxels.slabs(order).for_each(|slab| slab.slices().for_each(&mut next));
+            next(&none);
         }
         mesh
     }
 
-    /// Faces that look along an axis, or against it, in the plane before the voxels of an index.
-    fn plane(&mut self, voxels: &Voxels, axis: usize, plane: u32, outward: bool) {
-        let [across, along] = [(axis + 1) % 3, (axis + 2) % 3];
-        let [width, height] = [across, along].map(|axis| voxels.grid().size()[axis] as usize);
-        let is_set = |u: usize, v: usize, index: u32| {
-            let mut voxel = [index; 3];
-            (voxel[across], voxel[along]) = (u as u32, v as u32);
-            voxels.get(voxel)
-        };
-        // Outside of the grid nothing is set: the index before the first one is beyond the last one.
-        let [inner, outer] = if outward { [plane.wrapping_sub(1), plane] } else { [plane, plane.wrapping_sub(1)] };
+    /// Faces in the plane before the voxels of an index: of voxels on the inner side of it, where those on the outer side are
+    /// not set. `order`: axes along rows, from row to row, and from plane to plane.
+    fn plane(
+        &mut self,
+        [across, along, _]: [usize; 3],
+        [width, height]: [usize; 2],
+        plane: u32,
+        [inner, outer]: [&[u64]; 2],
+        outward: bool,
+    ) {
+        let words: Vec<u64> = inner.iter().zip(outer).map(|(inner, outer)| inner & !outer).collect();
+        if words.iter().all(|&word| word == 0) {
+            return;
+        }
+        let row = |v: usize| &words[v * width.div_ceil(64)..];
         let at = (0..height).flat_map(|v| (0..width).map(move |u| (u, v)));
-        let mut faces: Vec<bool> = at.map(|(u, v)| is_set(u, v, inner) && !is_set(u, v, outer)).collect();
+        let mut faces: Vec<bool> = at.map(|(u, v)| row(v)[u / 64] >> (u % 64) & 1 == 1).collect();
         for v in 0..height {
             let mut u = 0;
             while u < width {

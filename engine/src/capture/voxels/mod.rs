@@ -133,15 +133,11 @@ fn write(path: &Path, voxels: &Voxels, attributes: Option<&VoxelAttributes>, for
 
 /// Eight voxels of a row a byte.
 fn packed(voxels: &Voxels) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    for row in voxels.grid().rows() {
-        for (x, voxel) in row.enumerate() {
-            if x % 8 == 0 {
-                bytes.push(0);
-            }
-            if let Some(byte) = bytes.last_mut() {
-                *byte |= u8::from(voxels.get(voxel)) << (x % 8);
-            }
+    let [width, height, depth] = voxels.grid().size().map(|n| n as usize);
+    let mut bytes = Vec::with_capacity(width.div_ceil(8) * height * depth);
+    for slab in voxels.slabs([0, 1, 2]) {
+        for row in slab.rows() {
+            bytes.extend(row.iter().flat_map(|word| word.to_le_bytes()).take(width.div_ceil(8)));
         }
     }
     bytes

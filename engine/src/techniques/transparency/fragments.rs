@@ -45,6 +45,8 @@ pub enum Step {
     ArraysInOrder,
     /// Appended to linked lists, by `abuffer/list_append.glsl`.
     Lists,
+    /// The same with `BY_SUBGROUP` defined, where the device has [`Feature::FragmentBallot`].
+    SubgroupLists,
     /// The nearest that is left is composited, by `depth_peeling/peel.glsl`.
     Peel,
     /// The nearest and the farthest that are left are composited, by `dual_depth_peeling/peel.glsl`.
@@ -96,6 +98,7 @@ impl Step {
             Self::Arrays => [&abuffer::array_frag::SHADER, &abuffer::array_pulled_frag::SHADER],
             Self::ArraysInOrder => [&abuffer::array_in_order_frag::SHADER; 2],
             Self::Lists => [&abuffer::list_frag::SHADER, &abuffer::list_pulled_frag::SHADER],
+            Self::SubgroupLists => [&abuffer::list_subgroup_frag::SHADER, &abuffer::list_subgroup_pulled_frag::SHADER],
             Self::Peel => [&depth_peeling::peel_frag::SHADER, &depth_peeling::peel_pulled_frag::SHADER],
             Self::PeelBothEnds => {
                 [&dual_depth_peeling::peel_frag::SHADER, &dual_depth_peeling::peel_pulled_frag::SHADER]

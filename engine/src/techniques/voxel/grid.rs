@@ -107,14 +107,9 @@ impl Grid {
 
     /// All voxels in the order `[z][y][x]`: x runs fastest.
     pub fn voxels(&self) -> impl Iterator<Item = [u32; 3]> + use<> {
-        self.rows().flatten()
-    }
-
-    /// The same, row by row along x.
-    pub fn rows(&self) -> impl Iterator<Item = impl Iterator<Item = [u32; 3]> + use<>> + use<> {
         let [width, height, depth] = self.size;
         let rows = (0..depth).flat_map(move |z| (0..height).map(move |y| [y, z]));
-        rows.map(move |[y, z]| (0..width).map(move |x| [x, y, z]))
+        rows.flat_map(move |[y, z]| (0..width).map(move |x| [x, y, z]))
     }
 
     /// The grid whose voxels are bricks of 8³ of these.

@@ -1,7 +1,5 @@
 //! Bits of a grid on the host.
 
-use std::rc::Rc;
-
 use super::bricks::{BRICK, BRICK_WORDS};
 use super::{Axis, Grid};
 use crate::graph::{Capture, Executed};
@@ -10,12 +8,12 @@ use crate::{Error, Result};
 /// Bits of a grid on the host.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Voxels {
-    grid: Grid,
-    store: Store,
+    pub(super) grid: Grid,
+    pub(super) store: Store,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-enum Store {
+pub(super) enum Store {
     /// All of them, as [`super::VoxelBits`] says.
     Columns { axis: Axis, words: Vec<u32> },
     /// Where some are set, as [`super::bricks::BrickBits`] says.
@@ -126,36 +124,6 @@ impl Voxels {
     /// How many voxels are set.
     pub fn count(&self) -> u64 {
         self.words().iter().map(|word| u64::from(word.count_ones())).sum()
-    }
-
-    /// Those that are set, in the order `[z][y][x]`.
-    pub fn set(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
-        let [width, height, depth] = self.grid.size();
-        let layers = (0..depth).step_by(BRICK as usize).flat_map(move |first| {
-            // Where along each row of bricks some are.
-            let starts = |y: u32| (0..width).step_by(BRICK as usize).filter(move |&x| self.may_hold([x, y, first]));
-            let rows: Rc<[Vec<u32>]> = (0..height).step_by(BRICK as usize).map(|y| starts(y).collect()).collect();
-            let slices = (first..depth.min(first + BRICK)).flat_map(move |z| (0..height).map(move |y| [y, z]));
-            slices.flat_map(move |[y, z]| {
-                let (rows, row) = (rows.clone(), (y / BRICK) as usize);
-                let runs = (0..rows[row].len()).map(move |run| rows[row][run]);
-                runs.flat_map(move |x| (x..width.min(x + BRICK)).map(move |x| [x, y, z]))
-            })
-        });
-        layers.filter(|&voxel| self.get(voxel))
-    }
-
-    /// Whether there is a brick that holds a voxel.
-    fn may_hold(&self, voxel: [u32; 3]) -> bool {
-        match &self.store {
-            Store::Columns { .. } => true,
-            Store::Bricks { coarse, .. } => coarse.get(voxel.map(|i| i / BRICK)),
-        }
-    }
-
-    /// A byte a voxel, 1 where it is set, in the order `[z][y][x]`.
-    pub fn bytes(&self) -> Vec<u8> {
-        self.grid.voxels().map(|voxel| u8::from(self.get(voxel))).collect()
     }
 }
 

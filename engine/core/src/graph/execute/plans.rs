@@ -6,7 +6,7 @@ use super::Executor;
 use crate::graph::builder::Graph;
 use crate::graph::description::Description;
 use crate::graph::errors::GraphErrors;
-use crate::graph::plan::Plan;
+use crate::graph::plan::{Plan, Planned};
 
 /// How many are kept. Histories take turns, and with them the descriptions of frames that are alike.
 const KEPT: usize = 4;
@@ -15,9 +15,9 @@ const KEPT: usize = 4;
 #[derive(Default)]
 pub(super) struct Plans {
     /// The one used last comes last.
-    known: Vec<(Description, Arc<Plan>)>,
+    known: Vec<(Description, Planned)>,
     /// Given, and not executed yet.
-    given: Option<Arc<Plan>>,
+    given: Option<Planned>,
     /// Lists to describe the next frame in.
     spare: Mutex<Description>,
     /// How many passes and resources the last frame had, and how much its passes bound.
@@ -38,9 +38,9 @@ impl Plans {
     /// A frame was executed by `plan`. `bound`: how much its passes bound.
     pub(super) fn executed(&mut self, plan: &Plan, mut description: Description, bound: usize) {
         self.room = [description.passes.len(), description.resources.len(), bound];
-        let is_plan = |given: &mut Arc<Plan>| std::ptr::eq(Arc::as_ptr(given), plan);
-        if let Some(plan) = self.given.take_if(is_plan) {
-            self.known.push((description, plan));
+        let is_plan = |given: &mut Planned| std::ptr::eq(Arc::as_ptr(&given.plan), plan);
+        if let Some(planned) = self.given.take_if(is_plan) {
+            self.known.push((description, planned));
             if self.known.len() <= KEPT {
                 return;
             }
@@ -53,7 +53,8 @@ impl Plans {
 
 impl Executor<'_> {
     /// Plans a frame as [`Graph::compile`] does. A frame that is described as one of the last ones was gets the same
-    /// plan again, which takes a fraction of the time; what its passes do and bind may be different.
+    /// plan again, which takes a fraction of the time; what its passes do and bind may be different. One that is but for sizes
+    /// is planned again as far as these matter.
     ///
     /// # Errors
     /// As [`Graph::compile`].
@@ -64,12 +65,13 @@ impl Executor<'_> {
             && let Some(found) = known.iter().rposition(same)
         {
             known[found..].rotate_left(1);
-            let plan = known[known.len() - 1].1.clone();
+            let plan = known[known.len() - 1].1.plan.clone();
             graph.is_as_planned(&plan);
             return Ok(plan);
         }
-        let plan = Arc::new(graph.compile(self.gpu)?);
-        *given = Some(plan.clone());
+        let planned = graph.compile_like(known.iter().rev(), self.gpu)?;
+        let plan = planned.plan.clone();
+        *given = Some(planned);
         Ok(plan)
     }
 }

@@ -1,6 +1,7 @@
 //! Items by a number, one list behind the other in one piece of memory.
 
 /// A list for each number from 0 on.
+#[derive(PartialEq, Eq)]
 pub(super) struct Lists<T> {
     /// By number, then the total: where its list begins.
     first: Vec<u32>,

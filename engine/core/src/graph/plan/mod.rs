@@ -13,12 +13,14 @@ mod lifetimes;
 mod lists;
 mod memo;
 mod order;
+mod outline;
 mod output;
 mod pack;
 mod place;
 mod queues;
 mod reason;
 mod redundant;
+mod resized;
 mod segments;
 mod stages;
 mod usage;
@@ -32,6 +34,7 @@ pub use output::{
     Placement, Plan, Statistics, Step, Wait, Work,
 };
 pub use reason::{CullReason, Hazard, Reason};
+pub use resized::Planned;
 pub use segments::{Segment, segment};
 pub(super) use segments::{first_segment, states};
 pub(super) use versions::held_at_the_end;
@@ -40,9 +43,10 @@ use std::hash::{Hash, Hasher};
 
 use self::barriers::Context;
 use self::dependencies::{Dependencies, Events};
-use self::history::History;
 use self::memo::Memo;
-use self::queues::{Families, RoundTrip};
+use self::outline::Outline;
+use self::place::{Placed, place};
+use self::queues::RoundTrip;
 use self::versions::Versions;
 use super::description::{Description, Origin, PassId, Queue, ResourceId, Shape};
 use super::errors::{ErrorKind, GraphError, GraphErrors};
@@ -86,42 +90,25 @@ fn choose(description: &Description, device: &dyn DeviceModel) -> Result<Chosen,
 }
 
 fn plan_chosen(description: &Description, chosen: Chosen, device: &dyn DeviceModel) -> Result<Plan, GraphErrors> {
-    let Chosen { versions, live, culled, events, dependencies } = chosen;
+    // 3. Order, queues, and when each resource is alive.
+    let (outline, needs) = Outline::new(description, chosen, device)?;
 
-    // 3. What each resource is used for, and the memory it takes.
-    let usages = usage::usages(description, &live);
-    let requirements = requirements(description, device, &usages)?;
-    let bytes: Vec<u64> = requirements.iter().map(|needs| needs.map_or(0, |needs| needs.size.max(1))).collect();
+    // 4. Give transients their memory.
+    let mut placed = place(description, device, &needs, &outline.lifetimes);
 
-    // 4. Put passes and read-backs in order.
-    let order = order::order(description, &dependencies, &live, &bytes);
+    // 5. Barriers.
+    Ok(complete(description, &outline, &mut placed))
+}
 
-    // 5. Give each a queue.
-    let families = Families::new(device);
-    let schedule = queues::assign(description, &versions, order, &families);
-
-    // 6. What happens to each cell, and when each resource is alive.
-    let history = History::new(description, &versions, events, &schedule);
-    let crossings = barriers::crossings(&history, versions.cells.len(), &schedule);
-    let lifetimes = lifetimes::Lifetimes::new(description, &versions, &history, &schedule, &crossings);
-
-    // 7. Give transients their memory.
-    let placed = place::place(description, device, &requirements, &lifetimes);
-
-    // 8. Put barriers between, and steps together.
-    let context = Context {
-        description,
-        versions: &versions,
-        history: &history,
-        schedule: &schedule,
-        lifetimes: &lifetimes,
-        families,
-    };
-    let (mut pending, reliances) = barriers::pending(&context, &placed);
+/// Puts barriers between, and steps together. The plan takes the placements.
+fn complete(description: &Description, outline: &Outline, placed: &mut Placed) -> Plan {
+    let Outline { versions, history, schedule, crossings, lifetimes, .. } = outline;
+    let context = Context { description, versions, history, schedule, lifetimes, families: outline.families };
+    let (mut pending, reliances) = barriers::pending(&context, placed);
     let takers = context.takers(&pending.list);
-    gather::gather(&mut pending, &schedule, &crossings, &takers);
-    let mut batches = queues::batches(&schedule, crossings, &takers);
-    let (held, trips) = queues::narrow(&mut batches, &schedule, &reliances);
+    gather::gather(&mut pending, schedule, crossings, &takers);
+    let mut batches = queues::batches(schedule, crossings.clone(), &takers);
+    let (held, trips) = queues::narrow(&mut batches, schedule, &reliances);
     let chained = barriers::chain(&context, &mut pending.list, &held);
     let steps = (0..schedule.nodes.len())
         .map(|step| Step { work: schedule.work(step), queue: schedule.queues[step], barriers: Barriers::default() })
@@ -131,24 +118,21 @@ fn plan_chosen(description: &Description, chosen: Chosen, device: &dyn DeviceMod
         steps,
         batches,
         finally: Barriers::default(),
-        culled,
-        placements: placed.placements,
-        heaps: placed.heaps,
-        usages,
-        lifetimes: lifetimes::report(description, &versions, &history),
-        ends: history::ends(description, &versions, &history),
-        statistics: Statistics {
-            lower_bound_bytes: placed.lower_bound,
-            unaliased_bytes: placed.unaliased,
-            ..Statistics::default()
-        },
+        culled: outline.culled.clone(),
+        placements: Vec::new(),
+        heaps: Vec::new(),
+        usages: outline.usages.clone(),
+        lifetimes: lifetimes::report(description, versions, history),
+        ends: history::ends(description, versions, history),
+        statistics: Statistics::default(),
         fingerprint: 0,
     };
     attach::attach(&mut plan, &context, &pending);
     attach::show_host(&mut plan);
     drop_redundant(&mut plan, &trips, &chained, description.passes.len());
-    plan.statistics.count(&plan.steps, &plan.batches, &plan.finally, &plan.heaps);
-    Ok(plan)
+    plan.statistics.count(&plan.steps, &plan.batches, &plan.finally);
+    plan.takes(placed);
+    plan
 }
 
 /// A transient takes at most so many bytes: no device has as many, and sums of them do not overflow.
@@ -245,9 +229,19 @@ fn drop_redundant(plan: &mut Plan, trips: &[RoundTrip], chained: &[ResourceId], 
     ordered[0].filter(&mut plan.finally, counts[0], |work| place(&places, Queue::Graphics, work));
 }
 
+impl Plan {
+    /// Takes its memory from what was placed.
+    fn takes(&mut self, placed: &mut Placed) {
+        self.placements = std::mem::take(&mut placed.placements);
+        self.heaps = std::mem::take(&mut placed.heaps);
+        self.statistics.heap_bytes = self.heaps.iter().map(|heap| heap.size).sum();
+        self.statistics.lower_bound_bytes = placed.lower_bound;
+        self.statistics.unaliased_bytes = placed.unaliased;
+    }
+}
+
 impl Statistics {
-    fn count(&mut self, steps: &[Step], batches: &[Batch], finally: &Barriers, heaps: &[Heap]) {
-        self.heap_bytes = heaps.iter().map(|heap| heap.size).sum();
+    fn count(&mut self, steps: &[Step], batches: &[Batch], finally: &Barriers) {
         let all = steps.iter().map(|step| &step.barriers).chain(batches.iter().map(|batch| &batch.release));
         for barriers in all.chain([finally]).filter(|barriers| !barriers.is_empty()) {
             self.barrier_calls += 1;

@@ -13,7 +13,7 @@ pub(super) struct Placed {
     pub(super) placements: Vec<Placement>,
     pub(super) heaps: Vec<Heap>,
     /// By resource: those whose memory it takes over, ascending.
-    earlier: Lists<ResourceId>,
+    pub(super) earlier: Lists<ResourceId>,
     /// Sum of the heaps' lower bounds.
     pub(super) lower_bound: u64,
     /// Bytes if nothing shared memory.

@@ -44,14 +44,12 @@ impl ABuffer {
     ) -> Composited {
         // 1. How many fragments each pixel has.
         let count = count(graph, NAME, depth, fragments);
-        let mut onto = Resolved::new(graph, color);
+        let mut onto = Resolved::new(graph, self.layers, color);
         if self.bands <= 1 {
             // 2. All at once: arrays, then sort and composite.
             let (arrays, totals) = self.arrays(graph, NAME, depth, fragments, &count);
             let (onto, room) = self.over(graph, view, arrays, onto);
-            let Resolved { color, report, front } = onto;
-            let (nodes, known) = (Some(room.nodes), Known::Totals(totals));
-            return Composited { color, count, front, nodes, report, known, counter: None };
+            return onto.composited(count, Some(room.nodes), Known::Totals(totals), None);
         }
 
         // 3. Or band by band: the host parts the picture's rows.
@@ -61,14 +59,13 @@ impl ABuffer {
         for index in 0..self.bands as usize {
             let name = format!("{NAME}.{index}");
             let frame = told.frame(graph, depth.size(), index);
-            let scanned = scan(graph, &name, &count, frame);
+            let scanned = scan(graph, &name, &count, frame, self.long_sort);
             let (told, width) = (told.clone(), depth.size()[0]);
             let within = move |draw| in_band(told, index, width, draw);
             let arrays = self.fill(graph, name, (scanned, frame, frame), (depth, fragments, within), &count, room);
             (onto, room) = self.over(graph, view, arrays, onto);
         }
-        let Resolved { color, report, front } = onto;
-        Composited { color, count, front, nodes: None, report, known: Known::Rows(rows), counter: None }
+        onto.composited(count, None, Known::Rows(rows), None)
     }
 
     /// An array for each pixel of the whole picture, of exactly the right size. `name` stands before the names of passes
@@ -83,7 +80,7 @@ impl ABuffer {
     ) -> (Arrays, Checkpoint<blocks::Totals>) {
         let size = depth.size();
         let counted = graph.data(&[blocks::ABufferFrame { size, first_row: 0, capacity: 0, used: 1 }]);
-        let scanned = scan(graph, name, count, counted);
+        let scanned = scan(graph, name, count, counted, self.long_sort);
         let totals = graph.checkpoint(format!("{name}.totals"), &scanned.totals);
         let told = Told::Totals(totals.clone());
         let room = self.room(graph, name, &told, size);
@@ -137,7 +134,7 @@ impl ABuffer {
             _ => pass.write(array_frag::CURSORS, cursors),
         };
         pass.draw(within(fragments.draw(step)));
-        Arrays { built: Built { name, nodes, linked: false, scanned, ends: cursors, work, frame }, sorted }
+        Arrays { built: Built { name, nodes, linked: false, links: None, scanned, ends: cursors, work, frame }, sorted }
     }
 
     /// Sorts arrays and composites them. Gives their memory back.

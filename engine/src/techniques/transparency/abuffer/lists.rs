@@ -9,14 +9,18 @@ use super::{ABuffer, Built, Composited, Known, Sizing};
 use crate::graph::{BufferHandle, Checkpoint, Data, Graph, ImageHandle, ImageShape};
 use crate::scene::View;
 use crate::shader::generated::blocks;
-use crate::shader::generated::transparency::abuffer::{list_counts_comp, list_frag, list_offsets_comp};
+use crate::shader::generated::transparency::abuffer::{
+    list_counts_comp, list_frag, list_offsets_comp, list_subgroup_frag,
+};
 use crate::techniques::transparency::fragments::{Fragments, Step, fragment_pass};
 
 const NODES: vk::Format = vk::Format::R32G32B32A32_UINT;
+const LINKS: vk::Format = vk::Format::R32_UINT;
 
 /// Lists that were built.
 struct Lists {
     nodes: ImageHandle,
+    links: ImageHandle,
     heads: ImageHandle,
     counter: BufferHandle,
 }
@@ -24,7 +28,7 @@ struct Lists {
 impl ABuffer {
     pub(super) fn by_lists<'f>(
         &self,
-        sizing: Sizing,
+        (step, sizing): (Step, Sizing),
         graph: &mut Graph<'f>,
         view: &View,
         depth: &ImageHandle,
@@ -36,7 +40,7 @@ impl ABuffer {
         let block = move |capacity, used| blocks::ABufferFrame { size, first_row: 0, capacity, used };
         let count = graph.image("abuffer.count", ImageShape::new_2d(vk::Format::R32_SFLOAT, size));
         let count = graph.clear("abuffer.count.begin", count, vk::ClearColorValue::default());
-        let onto = Resolved::new(graph, color);
+        let onto = Resolved::new(graph, self.layers, color);
         let (resolved, count, totals, counter) = match sizing {
             Sizing::Counted => {
                 // 1. How many fragments there are, then lists of as many nodes.
@@ -44,8 +48,9 @@ impl ABuffer {
                 let told = graph.checkpoint_samples("abuffer.samples", "abuffer.samples");
                 let nodes =
                     graph.image_after(&told, "abuffer.nodes", NODES, move |n| this.nodes_size(caps, n[0], true));
+                let links = graph.image_after(&told, "abuffer.links", LINKS, move |n| Ok(this.links_size(n[0])));
                 let frame = graph.data_after(&told, move |samples| block(samples[0] as u32, 1));
-                let lists = self.build(graph, "abuffer", depth, fragments, nodes, frame, || Ok(true));
+                let lists = self.build(graph, "abuffer", depth, (fragments, step), [nodes, links], frame, || Ok(true));
                 let counter = graph.checkpoint("abuffer.counter", &lists.counter);
 
                 // 2. Sort and composite.
@@ -56,10 +61,12 @@ impl ABuffer {
                 // 1. Lists of so many nodes; the counter counts all fragments.
                 let most = self.most_nodes(caps, true);
                 let capacity = u64::from(capacity).min(most) as u32;
-                let room = self.image_size(u64::from(capacity), true);
+                let room = self.image_size(u64::from(capacity));
                 let nodes = graph.image("abuffer.nodes", ImageShape::new_2d(NODES, room));
+                let room = self.links_size(u64::from(capacity));
+                let links = graph.image("abuffer.links", ImageShape::new_2d(LINKS, room));
                 let frame = graph.data(&[block(capacity, 1)]);
-                let lists = self.build(graph, "abuffer", depth, fragments, nodes, frame, || Ok(true));
+                let lists = self.build(graph, "abuffer", depth, (fragments, step), [nodes, links], frame, || Ok(true));
                 let counter: Checkpoint<u32> = graph.checkpoint("abuffer.counter", &lists.counter);
                 let enough = graph.data_after(&counter, move |n| block(capacity, u32::from(n[0] <= capacity)));
 
@@ -67,10 +74,14 @@ impl ABuffer {
                 let nodes = graph.image_after(&counter, "abuffer.redone.nodes", NODES, move |n| {
                     this.nodes_size(caps, if n[0] <= capacity { 0 } else { u64::from(n[0]) }, true)
                 });
+                let links = graph.image_after(&counter, "abuffer.redone.links", LINKS, move |n| {
+                    Ok(this.links_size(if n[0] <= capacity { 0 } else { u64::from(n[0]) }))
+                });
                 let frame = graph.data_after(&counter, move |n| block(n[0], u32::from(n[0] > capacity)));
                 let told = counter.clone();
                 let again = move || Ok(told.values()?[0] > capacity);
-                let redone = self.build(graph, "abuffer.redone", depth, fragments, nodes, frame, again);
+                let redone =
+                    self.build(graph, "abuffer.redone", depth, (fragments, step), [nodes, links], frame, again);
 
                 // 3. Sort and composite those that are whole; the others count as empty.
                 let ((built, sorted), _, count) = self.listed(graph, "abuffer", lists, count, enough);
@@ -79,9 +90,7 @@ impl ABuffer {
                 (self.resolve(graph, view, &built, sorted, onto).0, count, totals, counter)
             }
         };
-        let Resolved { color, report, front } = resolved;
-        let known = Known::Totals(totals);
-        Composited { color, count, front, nodes: None, report, known, counter: Some(counter) }
+        resolved.composited(count, None, Known::Totals(totals), Some(counter))
     }
 
     /// Builds lists where `wanted` says so when the frame gets there.
@@ -91,8 +100,8 @@ impl ABuffer {
         graph: &mut Graph<'f>,
         name: &'static str,
         depth: &ImageHandle,
-        fragments: &dyn Fragments<'f>,
-        nodes: ImageHandle,
+        (fragments, step): (&dyn Fragments<'f>, Step),
+        [nodes, links]: [ImageHandle; 2],
         frame: Data,
         wanted: impl Fn() -> crate::Result<bool> + 'f,
     ) -> Lists {
@@ -101,15 +110,21 @@ impl ABuffer {
         let heads = graph.clear(format!("{name}.heads.begin"), heads, no_node);
         let counter = graph.buffer(format!("{name}.counter"), 4);
         let counter = graph.fill(format!("{name}.counter.begin"), counter, 0);
-        let specialize = |program| self.specialized(program);
-        let mut pass = fragment_pass(graph, format!("{name}.link"), depth, (fragments, Step::Lists), specialize);
+        // llvmpipe asks only fragments that are there, and that of Mesa 22.3 has no word for helpers.
+        let helpers_vote = graph.caps().driver != "llvmpipe";
+        let specialize = |program| match step {
+            Step::SubgroupLists => self.specialized(program).constant(list_subgroup_frag::HELPERS_VOTE, helpers_vote),
+            _ => self.specialized(program),
+        };
+        let mut pass = fragment_pass(graph, format!("{name}.link"), depth, (fragments, step), specialize);
         pass.uniform_data(list_frag::ABUFFER, frame);
         let nodes = pass.write(list_frag::NODES, nodes);
+        let links = pass.write(list_frag::LINKS, links);
         let heads = pass.write(list_frag::HEADS, heads);
         let counter = pass.write(list_frag::COUNTER, counter);
-        let mut draw = fragments.draw(Step::Lists);
+        let mut draw = fragments.draw(step);
         pass.draw(move |recorder| if wanted()? { draw(recorder) } else { Ok(()) });
-        Lists { nodes, heads, counter }
+        Lists { nodes, links, heads, counter }
     }
 
     /// Walks the lists: how long each is, and which pixels have one.
@@ -121,18 +136,19 @@ impl ABuffer {
         count: ImageHandle,
         frame: Data,
     ) -> ((Built, [ImageHandle; 2]), Checkpoint<blocks::Totals>, ImageHandle) {
-        let Lists { nodes, heads, .. } = lists;
+        let Lists { nodes, links, heads, .. } = lists;
         let size = heads.size();
         let mut pass = graph.compute(format!("{name}.lengths"), &list_counts_comp::SHADER);
         pass.uniform_data(list_counts_comp::ABUFFER, frame)
             .read(list_counts_comp::NODES, &nodes)
+            .read(list_counts_comp::LINKS, &links)
             .read(list_counts_comp::HEADS, &heads)
             .specialize(list_counts_comp::NODE_FORMAT, self.format.number())
             .specialize(list_counts_comp::LINKED, true);
         let count = pass.write(list_counts_comp::COUNTS, count);
         pass.dispatch([size[0], size[1], 1]);
 
-        let scanned = scan(graph, name, &count, frame);
+        let scanned = scan(graph, name, &count, frame, self.long_sort);
         let totals = graph.checkpoint(format!("{name}.totals"), &scanned.totals);
         let told = Told::Totals(totals.clone());
         let work = told.pixels(graph, format!("{name}.work"), size[0], size_of::<blocks::Pixel>() as u64);
@@ -146,7 +162,8 @@ impl ABuffer {
         let work = pass.write(list_offsets_comp::WORK, work);
         pass.dispatch([chunks_of(size) as u32, 1, 1]);
         let sorted = self.sorted_room(graph, name, &told);
-        let built = Built { name: name.into(), nodes, linked: true, scanned, ends: heads, work, frame };
+        let built =
+            Built { name: name.into(), nodes, linked: true, links: Some(links), scanned, ends: heads, work, frame };
         ((built, sorted), totals, count)
     }
 }

@@ -7,14 +7,16 @@
 mod arrays;
 mod bands;
 mod lists;
+mod nearest;
 mod node;
 mod resolve;
 mod scan;
 mod sorted;
 mod told;
 
+pub use nearest::NearestLayer;
 pub use node::{COMPACT_TRIANGLES, Node, NodeFormat};
-pub use resolve::MOST_LAYERS;
+pub use resolve::{IN_PLACE_MOST, MOST_LAYERS};
 pub use sorted::{MOST_SORTED, SortedLists};
 
 use self::node::TEXEL;
@@ -25,7 +27,7 @@ use crate::graph::{BufferHandle, Checkpoint, Data, Graph, ImageHandle};
 use crate::scene::View;
 use crate::shader::generated::blocks;
 use crate::techniques::transparency::OrderIndependent;
-use crate::techniques::transparency::fragments::Fragments;
+use crate::techniques::transparency::fragments::{Fragments, Step};
 
 /// A-buffer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,12 +45,25 @@ pub struct ABuffer {
     /// Bands of rows that arrays may be built in, one after the other, where the whole picture does not fit into `memory`.
     /// Each is some twenty passes, which do nothing where it is not needed. With 1 the picture is built at once.
     pub bands: u32,
+    /// How many of the nearest layers of each pixel are images of their own ([`Composited::layers`]), each a pass over
+    /// all nodes.
+    pub layers: u32,
+    /// How pixels of more than 16 layers are sorted.
+    pub long_sort: LongSort,
 }
 
 impl Default for ABuffer {
     /// Counted arrays of compact nodes, as many as the device has room for.
     fn default() -> Self {
-        Self { build: Build::default(), format: NodeFormat::default(), exponent: 0, memory: u64::MAX, bands: 1 }
+        Self {
+            build: Build::default(),
+            format: NodeFormat::default(),
+            exponent: 0,
+            memory: u64::MAX,
+            bands: 1,
+            layers: 0,
+            long_sort: LongSort::default(),
+        }
     }
 }
 
@@ -60,6 +75,37 @@ pub enum Build {
     Arrays,
     /// Linked lists, nodes allocated by one counter: the reference that the arrays are measured against.
     Lists(Sizing),
+    /// The same, with one addition to the counter for all fragments of a subgroup. Needs
+    /// [`crate::gpu::Feature::FragmentBallot`].
+    SubgroupLists(Sizing),
+}
+
+/// How pixels of more layers than fit into registers are sorted. The picture is the same. In place, an invocation sorts a
+/// pixel of up to [`IN_PLACE_MOST`] layers in memory; more are sorted in blocks anyway.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LongSort {
+    /// Blocks of 16 in registers by a network, an invocation a block, then merged two to one (after Knowles, Leach and
+    /// Zambetta 2014, "Fast sorting for exact OIT of complex scenes").
+    #[default]
+    Blocks,
+    /// In place, by Shell's method.
+    Shell,
+    /// In place, by a heap.
+    Heap,
+    /// In place, by Batcher's bitonic network.
+    Bitonic,
+}
+
+impl LongSort {
+    /// As `totals.glsl` has it.
+    fn number(self) -> u32 {
+        match self {
+            Self::Blocks => 0,
+            Self::Shell => 1,
+            Self::Heap => 2,
+            Self::Bitonic => 3,
+        }
+    }
 }
 
 /// How many nodes linked lists have room for.
@@ -79,6 +125,8 @@ pub struct Composited {
     pub count: ImageHandle,
     /// Distance of the nearest layer along the view axis, metres, R32 float; infinite where there is none.
     pub front: ImageHandle,
+    /// The nearest layers, as many as [`ABuffer::layers`] asks for.
+    pub layers: Vec<NearestLayer>,
     /// Nodes of [`Build::Arrays`], R32G32B32A32 uint texels row by row, for [`ABuffer::unpack`]: those of the first pixel,
     /// then those of the next in its row, each pixel's in any order. `None` where there may be several bands.
     pub nodes: Option<ImageHandle>,
@@ -126,12 +174,21 @@ struct Built {
     nodes: ImageHandle,
     linked: bool,
     scanned: Scanned,
+    /// Of lists, by node, the next one, where the node itself does not say so.
+    links: Option<ImageHandle>,
     /// By pixel: of arrays, their ends; of lists, their heads.
     ends: ImageHandle,
     /// Pixels that have nodes, class by class.
     work: BufferHandle,
     /// `frame.glsl`'s block.
     frame: Data,
+}
+
+impl Built {
+    /// What stands for links: arrays have none, and nobody reads them.
+    fn links(&self) -> &ImageHandle {
+        self.links.as_ref().unwrap_or(&self.ends)
+    }
 }
 
 impl ABuffer {
@@ -149,7 +206,10 @@ impl ABuffer {
     ) -> Composited {
         match self.build {
             Build::Arrays => self.by_arrays(graph, view, depth, fragments, color),
-            Build::Lists(sizing) => self.by_lists(sizing, graph, view, depth, fragments, color),
+            Build::Lists(sizing) => self.by_lists((Step::Lists, sizing), graph, view, depth, fragments, color),
+            Build::SubgroupLists(sizing) => {
+                self.by_lists((Step::SubgroupLists, sizing), graph, view, depth, fragments, color)
+            }
         }
     }
 }

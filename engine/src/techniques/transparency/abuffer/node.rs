@@ -18,32 +18,42 @@ pub enum NodeFormat {
     /// RGB9E5 and 8 bits: 16 bytes a node.
     #[default]
     Compact,
-    /// Half-floats: 16 bytes a node, 32 in lists.
+    /// Half-floats: 16 bytes a node, 20 in lists.
     Half,
     /// 32-bit floats: 32 bytes a node.
     Float,
-    /// RGB9E5, and what is let through channel by channel, 10 bits each: 16 bytes a node, 32 in lists.
+    /// RGB9E5, and what is let through channel by channel, 10 bits each: 16 bytes a node, 20 in lists.
     CompactTinted,
-    /// 32-bit floats, and what is let through channel by channel: 32 bytes a node, 48 in lists.
+    /// 32-bit floats, and what is let through channel by channel: 32 bytes a node, 36 in lists.
     FloatTinted,
-    /// What is let through alone, 21 bits a channel, and no colour: 16 bytes a node, 32 in lists.
+    /// What is let through alone, 21 bits a channel, and no colour: 16 bytes a node, 20 in lists.
     Transmittance,
 }
 
 /// Bytes of a texel of nodes.
 pub(super) const TEXEL: u64 = 16;
+/// Bytes of what says which node comes next.
+const LINK: u64 = 4;
 /// Texels of a row of the nodes' image: `node.glsl`.
 const ROW: u32 = 4096;
 
 impl NodeFormat {
     /// Texels of a node.
-    pub(super) fn texels(self, linked: bool) -> u64 {
+    pub(super) fn texels(self) -> u64 {
         match self {
-            Self::Compact => 1,
-            Self::Half | Self::CompactTinted | Self::Transmittance => 1 + u64::from(linked),
-            Self::Float => 2,
-            Self::FloatTinted => 2 + u64::from(linked),
+            Self::Compact | Self::Half | Self::CompactTinted | Self::Transmittance => 1,
+            Self::Float | Self::FloatTinted => 2,
         }
+    }
+
+    /// Whether lists have the next node in an image of its own.
+    pub(super) fn links_beside(self) -> bool {
+        !matches!(self, Self::Compact | Self::Float)
+    }
+
+    /// Bytes of a node of an array or a list.
+    pub(super) fn bytes(self, linked: bool) -> u64 {
+        self.texels() * TEXEL + if linked && self.links_beside() { LINK } else { 0 }
     }
 
     /// As `node.glsl` has it.
@@ -88,13 +98,13 @@ impl ABuffer {
     pub(super) fn most_nodes(&self, caps: &Caps, linked: bool) -> u64 {
         let rows = u64::from(caps.limits.max_image_dimension_2d);
         let bytes = caps.limits.max_allocation_size.min(self.memory);
-        let texels = (rows * u64::from(ROW)).min(bytes / TEXEL);
-        (texels / self.format.texels(linked)).min(u64::from(u32::MAX - 1))
+        let most = (rows * u64::from(ROW) / self.format.texels()).min(bytes / self.format.bytes(linked));
+        most.min(u64::from(u32::MAX - 1))
     }
 
     /// Size of the image of so many nodes.
-    pub(super) fn image_size(&self, nodes: u64, linked: bool) -> [u32; 2] {
-        texels_size(nodes * self.format.texels(linked))
+    pub(super) fn image_size(&self, nodes: u64) -> [u32; 2] {
+        texels_size(nodes * self.format.texels())
     }
 
     /// The same.
@@ -104,12 +114,17 @@ impl ABuffer {
     pub(super) fn nodes_size(&self, caps: &Caps, nodes: u64, linked: bool) -> Result<[u32; 2]> {
         let most = self.most_nodes(caps, linked);
         if nodes > most {
-            let bytes = |nodes: u64| nodes * self.format.texels(linked) * TEXEL;
+            let bytes = |nodes: u64| nodes * self.format.bytes(linked);
             let (needed, allowed) = (bytes(nodes), bytes(most));
             let wrong = format!("{nodes} fragments need {needed} bytes; there may be {allowed}");
             return Err(Error::invalid("A-buffer", wrong));
         }
-        Ok(self.image_size(nodes, linked))
+        Ok(self.image_size(nodes))
+    }
+
+    /// Size of the image of their links, of lists.
+    pub(super) fn links_size(&self, nodes: u64) -> [u32; 2] {
+        texels_size(if self.format.links_beside() { nodes } else { 0 })
     }
 
     /// What colours are stored as multiples of.
@@ -153,7 +168,7 @@ impl ABuffer {
             };
             Node { depth: float(depth), key, color, through }
         };
-        texels.chunks_exact(self.format.texels(false) as usize).map(node).collect()
+        texels.chunks_exact(self.format.texels() as usize).map(node).collect()
     }
 
     /// `program` with the constants of `node.glsl`.

@@ -4,13 +4,15 @@ use std::mem::offset_of;
 
 use ash::vk;
 
+use super::nearest::Nearest;
 use super::told::{Amount, Told};
-use super::{ABuffer, Built};
-use crate::graph::{BufferHandle, Graph, ImageHandle, ImageShape};
+use super::{ABuffer, Built, Composited, Known, LongSort};
+use crate::graph::{BufferHandle, Checkpoint, Graph, ImageHandle, ImageShape};
 use crate::scene::{View, ViewSet};
 use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::abuffer::{
-    front_comp, long_blocks_comp, long_composite_comp, long_flatten_comp, long_merge_comp, long_runs_comp, resolve_comp,
+    front_comp, long_blocks_comp, long_composite_comp, long_flatten_comp, long_in_place_comp, long_merge_comp,
+    long_runs_comp, resolve_comp,
 };
 use crate::{Error, Result};
 
@@ -19,6 +21,9 @@ pub(super) const SHORT: u32 = 16;
 /// Nodes of a run, and how often runs are merged: `totals.glsl`.
 const RUN: u32 = 2048;
 const MERGES: u32 = 8;
+
+/// Most layers of a pixel that is sorted in place: `totals.glsl`.
+pub const IN_PLACE_MOST: u32 = 512;
 
 /// Most layers of a pixel.
 pub const MOST_LAYERS: u32 = RUN << MERGES;
@@ -34,17 +39,31 @@ pub(super) struct Resolved {
     pub(super) color: ImageHandle,
     pub(super) report: BufferHandle,
     pub(super) front: ImageHandle,
+    pub(super) nearest: Nearest,
 }
 
 impl Resolved {
     /// Onto `color`: nothing went wrong so far, and there is no layer.
-    pub(super) fn new(graph: &mut Graph, color: ImageHandle) -> Self {
+    pub(super) fn new(graph: &mut Graph, layers: u32, color: ImageHandle) -> Self {
         let report = graph.buffer("abuffer.report", size_of::<blocks::ABufferReport>() as u64);
         let report = graph.fill("abuffer.report.begin", report, 0);
         let front = graph.image("abuffer.front", ImageShape::new_2d(vk::Format::R32_SFLOAT, color.size()));
         let nothing = vk::ClearColorValue { float32: [f32::INFINITY; 4] };
         let front = graph.clear("abuffer.front.begin", front, nothing);
-        Self { color, report, front }
+        let nearest = Nearest::new(graph, layers, color.size());
+        Self { color, report, front, nearest }
+    }
+
+    /// With what is known besides.
+    pub(super) fn composited(
+        self,
+        count: ImageHandle,
+        nodes: Option<ImageHandle>,
+        known: Known,
+        counter: Option<Checkpoint<u32>>,
+    ) -> Composited {
+        let Self { color, report, front, nearest } = self;
+        Composited { color, count, front, layers: nearest.layers, nodes, report, known, counter }
     }
 }
 
@@ -60,7 +79,9 @@ impl ABuffer {
     ) -> (Resolved, [ImageHandle; 2]) {
         let onto = self.short(graph, built, onto);
         let (onto, sorted) = self.long(graph, built, sorted, onto);
-        (Resolved { front: self.front(graph, view, built, onto.front), ..onto }, sorted)
+        let front = self.front(graph, view, built, onto.front);
+        let nearest = self.nearest(graph, view, built, onto.nearest);
+        (Resolved { front, nearest, ..onto }, sorted)
     }
 
     /// Two images that long lists are sorted in.
@@ -76,12 +97,13 @@ impl ABuffer {
 
     /// Pixels of few nodes, class by class.
     fn short(&self, graph: &mut Graph, built: &Built, onto: Resolved) -> Resolved {
-        let Resolved { mut color, mut report, front } = onto;
+        let Resolved { mut color, mut report, front, nearest } = onto;
         let groups = offset_of!(blocks::Totals, class_groups) as u64;
         for (class, slots) in [4, 8, SHORT].into_iter().enumerate() {
             let mut pass = graph.compute(format!("{}.resolve.{slots}", built.name), &resolve_comp::SHADER);
             pass.uniform_data(resolve_comp::ABUFFER, built.frame)
                 .read(resolve_comp::NODES, &built.nodes)
+                .read(resolve_comp::LINKS, built.links())
                 .read(resolve_comp::TOTALS, &built.scanned.totals)
                 .read(resolve_comp::WORK, &built.work)
                 .read(resolve_comp::ENDS, &built.ends)
@@ -93,7 +115,7 @@ impl ABuffer {
             report = pass.write(resolve_comp::REPORT, report);
             pass.dispatch_indirect(&built.scanned.totals, groups + GROUPS * class as u64);
         }
-        Resolved { color, report, front }
+        Resolved { color, report, front, nearest }
     }
 
     /// Pixels of more nodes: sorted in memory. Where there are none, nothing is dispatched. After an even number of merges a
@@ -101,7 +123,10 @@ impl ABuffer {
     pub(super) fn merged(&self, graph: &mut Graph, built: &Built, [even, odd]: [ImageHandle; 2]) -> [ImageHandle; 2] {
         let Built { name, scanned, .. } = built;
         let totals = &scanned.totals;
-        // 1. Blocks of 16, in registers; of lists, once their nodes stand side by side.
+        // 0. In place, what is short enough where that is asked for.
+        let odd = self.in_place(graph, built, odd);
+
+        // 1. The others in blocks of 16, in registers; of lists, once their nodes stand side by side.
         let odd = if built.linked { self.flatten(graph, built, odd) } else { odd };
         let mut pass = graph.compute(format!("{name}.long.blocks"), &long_blocks_comp::SHADER);
         pass.read(long_blocks_comp::NODES, &built.nodes)
@@ -109,13 +134,16 @@ impl ABuffer {
             .read(long_blocks_comp::TOTALS, totals)
             .read(long_blocks_comp::WORK, &built.work)
             .specialize(long_blocks_comp::NODE_FORMAT, self.format.number())
+            .specialize(long_blocks_comp::LONG_SORT, self.long_sort.number())
             .specialize(long_blocks_comp::LINKED, built.linked);
         let even = pass.write(long_blocks_comp::SORTED, even);
         pass.dispatch_indirect(totals, offset_of!(blocks::Totals, block_groups) as u64);
 
         // 2. Runs of 2048, an invocation each.
         let mut pass = graph.compute(format!("{name}.long.runs"), &long_runs_comp::SHADER);
-        pass.read(long_runs_comp::TOTALS, totals).read(long_runs_comp::WORK, &built.work);
+        pass.read(long_runs_comp::TOTALS, totals)
+            .read(long_runs_comp::WORK, &built.work)
+            .specialize(long_runs_comp::LONG_SORT, self.long_sort.number());
         let mut even = pass.write(long_runs_comp::EVEN, even);
         let mut odd = pass.write(long_runs_comp::ODD, odd);
         pass.dispatch_indirect(totals, offset_of!(blocks::Totals, run_groups) as u64);
@@ -136,6 +164,24 @@ impl ABuffer {
         [even, odd]
     }
 
+    /// Pixels that are sorted where their nodes lie.
+    fn in_place(&self, graph: &mut Graph, built: &Built, sorted: ImageHandle) -> ImageHandle {
+        if self.long_sort == LongSort::Blocks {
+            return sorted;
+        }
+        let mut pass = graph.compute(format!("{}.long.in_place", built.name), &long_in_place_comp::SHADER);
+        pass.read(long_in_place_comp::NODES, &built.nodes)
+            .read(long_in_place_comp::LINKS, built.links())
+            .read(long_in_place_comp::TOTALS, &built.scanned.totals)
+            .read(long_in_place_comp::WORK, &built.work)
+            .specialize(long_in_place_comp::NODE_FORMAT, self.format.number())
+            .specialize(long_in_place_comp::LONG_SORT, self.long_sort.number())
+            .specialize(long_in_place_comp::LINKED, built.linked);
+        let sorted = pass.write(long_in_place_comp::SORTED, sorted);
+        pass.dispatch_indirect(&built.scanned.totals, LONG_GROUPS);
+        sorted
+    }
+
     /// Composites pixels of more nodes.
     fn long(
         &self,
@@ -144,7 +190,7 @@ impl ABuffer {
         sorted: [ImageHandle; 2],
         onto: Resolved,
     ) -> (Resolved, [ImageHandle; 2]) {
-        let Resolved { color, report, front } = onto;
+        let Resolved { color, report, front, nearest } = onto;
         let Built { name, scanned, frame, .. } = built;
         let [even, odd] = self.merged(graph, built, sorted);
         let mut pass = graph.compute(format!("{name}.long.composite"), &long_composite_comp::SHADER);
@@ -157,20 +203,23 @@ impl ABuffer {
             .read(long_composite_comp::ODD, &odd)
             .specialize(long_composite_comp::NODE_FORMAT, self.format.number())
             .specialize(long_composite_comp::NODE_UNIT, self.unit())
+            .specialize(long_composite_comp::LONG_SORT, self.long_sort.number())
             .specialize(long_composite_comp::LINKED, built.linked);
         let color = pass.write(long_composite_comp::COLOR, color);
         let report = pass.write(long_composite_comp::REPORT, report);
         pass.dispatch_indirect(&scanned.totals, LONG_GROUPS);
-        (Resolved { color, report, front }, [even, odd])
+        (Resolved { color, report, front, nearest }, [even, odd])
     }
 
     /// Nodes of long lists, side by side.
     fn flatten(&self, graph: &mut Graph, built: &Built, to: ImageHandle) -> ImageHandle {
         let mut pass = graph.compute(format!("{}.long.flatten", built.name), &long_flatten_comp::SHADER);
         pass.read(long_flatten_comp::NODES, &built.nodes)
+            .read(long_flatten_comp::LINKS, built.links())
             .read(long_flatten_comp::TOTALS, &built.scanned.totals)
             .read(long_flatten_comp::WORK, &built.work)
             .specialize(long_flatten_comp::NODE_FORMAT, self.format.number())
+            .specialize(long_flatten_comp::LONG_SORT, self.long_sort.number())
             .specialize(long_flatten_comp::LINKED, true);
         let to = pass.write(long_flatten_comp::FLAT_NODES, to);
         pass.dispatch_indirect(&built.scanned.totals, LONG_GROUPS);
@@ -183,6 +232,7 @@ impl ABuffer {
         pass.uniform(front_comp::VIEWS, &ViewSet::from(*view).block())
             .uniform_data(front_comp::ABUFFER, built.frame)
             .read(front_comp::NODES, &built.nodes)
+            .read(front_comp::LINKS, built.links())
             .read(front_comp::TOTALS, &built.scanned.totals)
             .read(front_comp::WORK, &built.work)
             .specialize(front_comp::NODE_FORMAT, self.format.number())

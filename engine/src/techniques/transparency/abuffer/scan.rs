@@ -1,5 +1,6 @@
 //! Prefix sums over the pixels' counts: how many nodes there are, and how much work that is.
 
+use super::LongSort;
 use crate::graph::{BufferHandle, Data, Graph, ImageHandle};
 use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::abuffer::{scan_chunks_comp, scan_groups_comp, scan_total_comp};
@@ -21,7 +22,7 @@ pub(super) fn chunks_of(size: [u32; 2]) -> u64 {
 }
 
 /// Sums up `count` over the picture or the band that `frame` says.
-pub(super) fn scan(graph: &mut Graph, name: &str, count: &ImageHandle, frame: Data) -> Scanned {
+pub(super) fn scan(graph: &mut Graph, name: &str, count: &ImageHandle, frame: Data, long_sort: LongSort) -> Scanned {
     let chunk_count = chunks_of(count.size());
     let group_count = chunk_count.div_ceil(GROUP);
     let stride = size_of::<blocks::Sums>() as u64;
@@ -40,6 +41,7 @@ pub(super) fn scan(graph: &mut Graph, name: &str, count: &ImageHandle, frame: Da
     pass.dispatch([group_count as u32, 1, 1]);
 
     let mut pass = graph.compute(format!("{name}.scan.total"), &scan_total_comp::SHADER);
+    pass.specialize(scan_total_comp::LONG_SORT, long_sort.number());
     let groups = pass.write(scan_total_comp::GROUPS, groups);
     let totals = pass.write(scan_total_comp::TOTALS, totals);
     pass.dispatch([1, 1, 1]);

@@ -85,6 +85,7 @@ impl ABuffer {
         for (class, slots) in [4, 8, SHORT].into_iter().enumerate() {
             let mut pass = graph.compute(format!("{}.sort.{slots}", built.name), &sort_comp::SHADER);
             pass.read(sort_comp::NODES, &built.nodes)
+                .read(sort_comp::LINKS, built.links())
                 .read(sort_comp::TOTALS, &built.scanned.totals)
                 .read(sort_comp::WORK, &built.work)
                 .specialize(sort_comp::NODE_FORMAT, self.format.number())
@@ -101,7 +102,8 @@ impl ABuffer {
         pass.read(sort_long_comp::TOTALS, &built.scanned.totals)
             .read(sort_long_comp::WORK, &built.work)
             .read(sort_long_comp::EVEN, &even)
-            .read(sort_long_comp::ODD, &odd);
+            .read(sort_long_comp::ODD, &odd)
+            .specialize(sort_long_comp::LONG_SORT, self.long_sort.number());
         let sorted = pass.write(sort_long_comp::SORTED, sorted);
         pass.dispatch_indirect(&built.scanned.totals, LONG_GROUPS);
         sorted

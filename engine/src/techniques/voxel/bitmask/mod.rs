@@ -13,6 +13,7 @@ use crate::Result;
 use crate::gpu::{Caps, Feature};
 use crate::graph::{BufferHandle, Graph, ImageHandle, ImageShape, Load, RasterPass};
 use crate::scene::{Faces, GpuScene};
+use crate::shader::generated::blocks::{GatherPush, TargetsPush};
 use crate::shader::generated::voxel::bitmask::{
     columns_vert, flip_bit_frag, flip_mask_frag, flip_targets_1_frag, flip_targets_2_frag, flip_targets_4_frag,
     flip_targets_8_frag, frustum_vert, gather_comp, prefix_comp,
@@ -50,13 +51,16 @@ pub enum Combine {
     Bit,
     /// An atomic XOR for each word of the column behind the surface.
     Masks,
-    /// The XOR logic operation on attachments of 128 voxels each, as in the paper. Without the device's `logicOp`, or
-    /// without enough attachments, [`Combine::Masks`] stands in.
+    /// The XOR logic operation on attachments of 128 voxels each, as in the paper: up to eight of them a pass, and as many
+    /// passes as it takes. Without the device's `logicOp`, [`Combine::Masks`] stands in.
     LogicOp,
 }
 
 /// Voxels that an attachment holds.
 const IN_TARGET: u32 = 128;
+
+/// Most attachments of a pass.
+const MOST_TARGETS: u32 = 8;
 
 /// Fragment shaders for so many attachments.
 const FLIP_TARGETS: [(&Shader, &[ColorSlot]); 4] = {
@@ -111,13 +115,9 @@ impl Bitmask {
     fn combined<'f>(&self, graph: &mut Graph<'f>, scene: &'f GpuScene, columns: &Columns) -> Result<BufferHandle> {
         let Columns { grid, axis, .. } = columns;
         let VoxelBits { bits, .. } = VoxelBits::new(graph, &columns.named("bits"), grid, *axis)?;
-        let targets = grid.columns(*axis)[2].div_ceil(IN_TARGET).next_power_of_two();
-        let caps = graph.caps();
-        let can = caps.has(Feature::LogicOp) && targets <= caps.limits.max_color_attachments;
         Ok(match (self.combine, self.fill) {
-            (Combine::LogicOp, fill) if can => {
-                let masks = columns.draw_targets(graph, scene, targets, fill);
-                columns.gather(graph, bits, &masks)
+            (Combine::LogicOp, fill) if graph.caps().has(Feature::LogicOp) => {
+                columns.by_logic_operation(graph, scene, bits, fill)
             }
             (Combine::Bit, Fill::Solid) => {
                 let flipped = columns.draw_bits(graph, scene, bits, &flip_bit_frag::SHADER, Fill::Solid);
@@ -157,20 +157,48 @@ impl Columns<'_> {
         }
     }
 
-    /// Combines bits of attachments.
-    fn draw_targets<'f>(&self, graph: &mut Graph<'f>, scene: &'f GpuScene, targets: u32, fill: Fill) -> ImageHandle {
+    /// Combines bits of attachments, as many voxels of all columns a pass as the device has attachments for.
+    fn by_logic_operation<'f>(
+        &self,
+        graph: &mut Graph<'f>,
+        scene: &'f GpuScene,
+        mut bits: BufferHandle,
+        fill: Fill,
+    ) -> BufferHandle {
+        let voxels = self.grid.columns(self.axis)[2];
+        let most = 1 << graph.caps().limits.max_color_attachments.min(MOST_TARGETS).ilog2();
+        for first in (0..voxels).step_by((most * IN_TARGET) as usize) {
+            let targets = (voxels - first).div_ceil(IN_TARGET).min(most).next_power_of_two();
+            let masks = self.draw_targets(graph, scene, [first, targets], fill);
+            bits = self.gather(graph, bits, &masks, [first, targets]);
+        }
+        bits
+    }
+
+    /// Those of so many attachments, from a voxel on.
+    fn draw_targets<'f>(
+        &self,
+        graph: &mut Graph<'f>,
+        scene: &'f GpuScene,
+        [first, targets]: [u32; 2],
+        fill: Fill,
+    ) -> ImageHandle {
         let [width, height, _] = self.grid.columns(self.axis);
         let shape = ImageShape::new_2d(vk::Format::R32G32B32A32_UINT, [width, height]).layers(targets);
-        let masks = graph.image(self.named("masks"), shape);
+        let masks = graph.image(self.named(format_args!("masks.{first}")), shape);
         let layers = graph.split_layers(masks);
         let (shader, slots) = FLIP_TARGETS[targets.ilog2() as usize];
         let operation = if fill == Fill::Surface { vk::LogicOp::OR } else { vk::LogicOp::XOR };
         let program = Program { logic_op: Some(operation), ..self.program(graph.caps(), shader, fill) };
-        let mut pass = graph.raster(self.named("bitmask"), vec![program]);
+        let mut pass = graph.raster(self.named(format_args!("bitmask.{first}")), vec![program]);
         self.bind(&mut pass, scene);
         let attach = |(&slot, layer)| pass.color_uint(slot, layer, Load::Clear([0; 4]));
         let written = slots.iter().zip(layers).map(attach).collect();
-        draw(pass, scene);
+        pass.draw(move |recorder| {
+            recorder.push(&TargetsPush { first_word: first / 32 });
+            scene.draw(recorder, Faces::Both, scene.draws.draws());
+            Ok(())
+        });
         graph.join(written).expect("a grid has voxels")
     }
 
@@ -203,10 +231,19 @@ impl Columns<'_> {
         bits
     }
 
-    fn gather(&self, graph: &mut Graph, bits: BufferHandle, masks: &ImageHandle) -> BufferHandle {
-        let [width, height, _] = self.grid.columns(self.axis);
-        let mut pass = graph.compute(self.named("bitmask.gather"), &gather_comp::SHADER);
-        pass.uniform(gather_comp::VOXEL_GRID, &self.grid.block(self.axis)).read(gather_comp::MASKS, masks);
+    fn gather(
+        &self,
+        graph: &mut Graph,
+        bits: BufferHandle,
+        masks: &ImageHandle,
+        [first, targets]: [u32; 2],
+    ) -> BufferHandle {
+        let [width, height, voxels] = self.grid.columns(self.axis);
+        let end = voxels.min(first + targets * IN_TARGET);
+        let mut pass = graph.compute(self.named(format_args!("bitmask.gather.{first}")), &gather_comp::SHADER);
+        pass.uniform(gather_comp::VOXEL_GRID, &self.grid.block(self.axis))
+            .read(gather_comp::MASKS, masks)
+            .push(&GatherPush { first_word: first / 32, end_word: end.div_ceil(32) });
         let bits = pass.write(gather_comp::BITS, bits);
         pass.dispatch([width, height, 1]);
         bits

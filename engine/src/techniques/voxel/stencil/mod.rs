@@ -5,6 +5,7 @@
 
 use ash::vk;
 
+use super::image::tiles_across;
 use super::{Axis, FillRule, Grid, VoxelBits, columns};
 use crate::Result;
 use crate::gpu::{Caps, Feature, stencil};
@@ -76,9 +77,7 @@ impl Slab {
         let most = if slices == Slices::Tiled { tiles } else { caps.limits.max_framebuffer_layers };
         let most = most.min(SLAB_BYTES / (width * height));
         let count = (most / IN_WORD * IN_WORD).clamp(IN_WORD, depth.next_multiple_of(IN_WORD)).min(depth);
-        // About as high as wide.
-        let square = (f64::from(count) * f64::from(height) / f64::from(width)).sqrt().ceil() as u32;
-        let across = square.max(count.div_ceil(most_down.max(1))).clamp(1, most_across.max(1));
+        let across = tiles_across(count, [width, height], caps.limits.max_image_dimension_2d);
         Self { grid: *grid, axis: stencil.axis, slices, count, across }
     }
 

@@ -55,6 +55,13 @@ pub(super) fn validate(
     errors.finish((versions, events, dependencies))
 }
 
+/// Whether the shapes of all resources can be.
+pub(super) fn shapes_are_right(description: &Description) -> bool {
+    let mut errors = Errors { description, list: Vec::new() };
+    ids::resources(&mut errors);
+    errors.list.is_empty()
+}
+
 /// By resource: what the device allows its format to be used for; each format is asked for once.
 fn allowed(description: &Description, device: &dyn DeviceModel) -> Vec<ImageUsageFlags> {
     let mut known = Memo::new();

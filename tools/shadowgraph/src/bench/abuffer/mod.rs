@@ -1,76 +1,48 @@
-//! What the A-buffer costs a fragment, beside blending of the same fragments and beside the other techniques: full-screen
-//! layers of one colour.
+//! What the A-buffer costs a fragment, beside blending of the same fragments, beside the other techniques, and beside the
+//! bytes that must move at least: layers of one colour.
+
+mod layers;
 
 use ash::vk;
 use glam::Vec3;
-use shadowgraph::gpu::{Gpu, blend};
-use shadowgraph::graph::{Executor, Graph, ImageHandle, ImageShape, Load, RasterPass};
+use shadowgraph::gpu::{Feature, FormatInfo, Gpu, blend};
+use shadowgraph::graph::description::Shape;
+use shadowgraph::graph::{Executor, Graph, ImageHandle, ImageShape, Load};
 use shadowgraph::scene::{Camera, View, depth};
 use shadowgraph::shader::Program;
-use shadowgraph::shader::generated::bench::{self as shaders, layers_blend_frag, layers_vert};
-use shadowgraph::shader::generated::transparency::count_frag;
+use shadowgraph::shader::generated::bench::{layers_blend_frag, layers_vert};
 use shadowgraph::techniques::transparency::OrderIndependent;
-use shadowgraph::techniques::transparency::abuffer::{ABuffer, Build, Sizing};
+use shadowgraph::techniques::transparency::abuffer::{ABuffer, Build, LongSort, Sizing};
 use shadowgraph::techniques::transparency::depth_peeling::DepthPeeling;
 use shadowgraph::techniques::transparency::dual_depth_peeling::DualDepthPeeling;
-use shadowgraph::techniques::transparency::fragments::{Draw, Fragments, Step};
+use shadowgraph::techniques::transparency::fragments::{Fragments, Step};
 use shadowgraph::techniques::transparency::kbuffer::KBuffer;
 use shadowgraph::techniques::transparency::moments::Moments;
 use shadowgraph::techniques::transparency::stochastic::Stochastic;
 use shadowgraph::techniques::transparency::weighted::{Weight, Weighted};
 
+use self::layers::{Layers, Lengths, NEAR};
 use super::Measurement;
 use crate::cli::{BenchArguments, DeviceArguments};
 use crate::failure::Result;
 use crate::session;
 
 const LAYERS: [u32; 8] = [1, 2, 4, 8, 16, 32, 64, 128];
-/// Near plane, metres.
-const NEAR: f32 = 0.1;
 const SIDES: [u32; 4] = [128, 256, 512, 1024];
-
-/// Layers over the whole picture.
-#[derive(Clone, Copy)]
-struct Layers(u32);
-
-impl<'f> Fragments<'f> for Layers {
-    fn programs(&self, step: Step) -> Vec<Program> {
-        let fragment = match step {
-            Step::Samples => None,
-            Step::Count => Some(&count_frag::SHADER),
-            Step::Arrays => Some(&shaders::layers_array_frag::SHADER),
-            Step::ArraysInOrder => Some(&shaders::layers_array_in_order_frag::SHADER),
-            Step::Lists => Some(&shaders::layers_list_frag::SHADER),
-            Step::Peel => Some(&shaders::layers_peel_frag::SHADER),
-            Step::PeelBothEnds => Some(&shaders::layers_peel_both_ends_frag::SHADER),
-            Step::Weigh => Some(&shaders::layers_weigh_frag::SHADER),
-            Step::KeepDepths => Some(&shaders::layers_keep_depths_frag::SHADER),
-            Step::KeepTags => Some(&shaders::layers_keep_tags_frag::SHADER),
-            Step::KeepColors => Some(&shaders::layers_keep_colors_frag::SHADER),
-            Step::AddMoments => Some(&shaders::layers_add_moments_frag::SHADER),
-            Step::AddByMoments => Some(&shaders::layers_add_by_moments_frag::SHADER),
-            Step::SampleDepths => Some(&shaders::layers_sample_depths_frag::SHADER),
-            Step::AddBySamples => Some(&shaders::layers_add_by_samples_frag::SHADER),
-        };
-        vec![Program::new(&layers_vert::SHADER, fragment)]
-    }
-
-    fn bind(&self, _: &mut RasterPass<'_, 'f>, _: Step) {}
-
-    fn draw(&self, _: Step) -> Draw<'f> {
-        let layers = self.0;
-        Box::new(move |recorder| {
-            recorder.push(&layers);
-            recorder.draw(0..3, 0..layers);
-            Ok(())
-        })
-    }
-
-    fn distances(&self) -> [f32; 2] {
-        // Depths from one near plane on.
-        [NEAR, NEAR * (1 << 24) as f32]
-    }
-}
+/// Lengths of lists that are no more all the same.
+const LENGTHS: [(&str, Lengths); 2] =
+    [("a spot of 260", Lengths::Spot(256)), ("exponential of 8", Lengths::Exponential(8))];
+/// Lists that are sorted in each way.
+const LONG: [u32; 6] = [17, 24, 32, 64, 128, 256];
+const LONG_SORTS: [(&str, LongSort); 4] = [
+    ("blocks", LongSort::Blocks),
+    ("shell", LongSort::Shell),
+    ("heap", LongSort::Heap),
+    ("bitonic", LongSort::Bitonic),
+];
+/// Of a compact node of an array, and of a texel of the picture.
+const NODE_BYTES: f64 = 16.0;
+const COLOR_BYTES: f64 = 16.0;
 
 /// A way to composite the layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,8 +55,14 @@ enum Kind {
     Arrays,
     /// The A-buffer by linked lists.
     Lists,
+    /// The same, nodes allocated by subgroups where the device has them.
+    SubgroupLists,
+    /// The A-buffer by counted arrays, long lists sorted so.
+    Sorted(LongSort),
     /// One of the others.
     Other(usize),
+    /// So many bytes filled with a number.
+    Filled(u64),
 }
 
 const KINDS: [Kind; 4] = [Kind::Nothing, Kind::Blend, Kind::Arrays, Kind::Lists];
@@ -106,6 +84,8 @@ struct Times {
     whole: f64,
     build: f64,
     sort: f64,
+    /// Bytes of its images and buffers, without sharing.
+    memory: u64,
 }
 
 /// Layers at one resolution, and one number of layers over resolutions; how times grow, as slopes of straight lines
@@ -120,7 +100,7 @@ pub fn run(arguments: &BenchArguments, tell: &mut impl FnMut(Measurement) -> Res
 fn measure_all(gpu: &Gpu, runs: u32, tell: &mut impl FnMut(Measurement) -> Result<()>) -> Result<()> {
     let mut growth = Vec::new();
     for layers in LAYERS {
-        let whole = measure(gpu, [256, 256], layers, runs, tell)?;
+        let whole = measure(gpu, Layers::constant([256, 256], layers), &format!("256x256x{layers}"), runs, tell)?;
         if COMPARED.contains(&layers) {
             compare(gpu, [256, 256], layers, runs, tell)?;
         }
@@ -129,32 +109,56 @@ fn measure_all(gpu: &Gpu, runs: u32, tell: &mut impl FnMut(Measurement) -> Resul
     tell(figure("arrays".into(), "growth by layers, 4 to 128", slope(&growth), "slope"))?;
     let mut growth = Vec::new();
     for side in SIDES {
-        let whole = measure(gpu, [side, side], 8, runs, tell)?;
+        let whole = measure(gpu, Layers::constant([side, side], 8), &format!("{side}x{side}x8"), runs, tell)?;
         growth.push((f64::from(side * side), whole));
     }
-    tell(figure("arrays".into(), "growth by pixels, 8 layers", slope(&growth), "slope"))
+    tell(figure("arrays".into(), "growth by pixels, 8 layers", slope(&growth), "slope"))?;
+    for (name, lengths) in LENGTHS {
+        measure(gpu, Layers { size: [256, 256], lengths }, &format!("256x256, {name}"), runs, tell)?;
+    }
+    LONG.into_iter().try_for_each(|length| sorts(gpu, length, runs, tell))
+}
+
+/// Tells what sorting and compositing of long lists takes in each way.
+fn sorts(gpu: &Gpu, length: u32, runs: u32, tell: &mut impl FnMut(Measurement) -> Result<()>) -> Result<()> {
+    let layers = Layers::constant([128, 128], length);
+    let times = best(gpu, LONG_SORTS.map(|(_, sort)| Kind::Sorted(sort)), layers, runs)?;
+    for ((name, _), own) in LONG_SORTS.into_iter().zip(times) {
+        let case = format!("sort by {name}, {length}");
+        tell(figure(case.clone(), "sort, composite", own.sort * 1e9 / layers.fragments(), "ns/fragment"))?;
+        tell(figure(case, "to blocks", own.sort / times[0].sort.max(1e-9), "times"))?;
+    }
+    Ok(())
 }
 
 /// Tells the figures, and gives the seconds that arrays take in all.
 fn measure(
     gpu: &Gpu,
-    size: [u32; 2],
-    layers: u32,
+    layers: Layers,
+    case: &str,
     runs: u32,
     tell: &mut impl FnMut(Measurement) -> Result<()>,
 ) -> Result<f64> {
-    let [nothing, blend, arrays, lists] = best(gpu, KINDS, size, layers, runs)?;
-    let fragments = f64::from(size[0]) * f64::from(size[1]) * f64::from(layers);
+    // Each node is written and read once, and so is the colour of each pixel that has some.
+    let least = 2.0 * (NODE_BYTES * layers.fragments() + COLOR_BYTES * layers.pixels());
+    let [nothing, blend, arrays, lists] = KINDS;
+    let kinds = [nothing, blend, arrays, lists, Kind::SubgroupLists, Kind::Filled(least as u64)];
+    let [nothing, blend, arrays, lists, subgroup_lists, filled] = best(gpu, kinds, layers, runs)?;
+    let filling = (filled.whole - nothing.whole).max(1e-9);
+    let fragments = layers.fragments();
     let nanoseconds = |seconds: f64| seconds * 1e9 / fragments;
     let blending = (blend.whole - nothing.whole).max(1e-9);
-    let case = |kind: &str| format!("{kind} {}x{}x{layers}", size[0], size[1]);
+    let case = |kind: &str| format!("{kind} {case}");
     tell(figure(case("blend"), "whole", nanoseconds(blending), "ns/fragment"))?;
-    for (kind, times) in [("arrays", arrays), ("lists", lists)] {
+    for (kind, times) in [("arrays", arrays), ("lists", lists), ("subgroup lists", subgroup_lists)] {
         let whole = times.whole - nothing.whole;
         tell(figure(case(kind), "build", nanoseconds(times.build), "ns/fragment"))?;
         tell(figure(case(kind), "sort, composite", nanoseconds(times.sort), "ns/fragment"))?;
         tell(figure(case(kind), "whole", nanoseconds(whole), "ns/fragment"))?;
         tell(figure(case(kind), "whole to blending", whole / blending, "times"))?;
+        tell(figure(case(kind), "whole to filling the least bytes", whole / filling, "times"))?;
+        tell(figure(case(kind), "memory", times.memory as f64 / fragments, "bytes/fragment"))?;
+        tell(figure(case(kind), "memory to the least bytes", times.memory as f64 / (least / 2.0), "times"))?;
     }
     Ok(arrays.whole - nothing.whole)
 }
@@ -170,7 +174,7 @@ fn compare(
     let fragments = f64::from(size[0]) * f64::from(size[1]) * f64::from(layers);
     for (other, (name, _)) in OTHERS.into_iter().enumerate() {
         let kinds = [Kind::Nothing, Kind::Arrays, Kind::Other(other)];
-        let whole = best(gpu, kinds, size, layers, runs)?.map(|times| times.whole);
+        let whole = best(gpu, kinds, Layers::constant(size, layers), runs)?.map(|times| times.whole);
         let [arrays, other] = [whole[1], whole[2]].map(|seconds| (seconds - whole[0]).max(1e-9));
         let case = format!("{name} {}x{}x{layers}", size[0], size[1]);
         tell(figure(case.clone(), "whole", other * 1e9 / fragments, "ns/fragment"))?;
@@ -180,16 +184,17 @@ fn compare(
 }
 
 /// Least times of each kind, in turns.
-fn best<const N: usize>(gpu: &Gpu, kinds: [Kind; N], size: [u32; 2], layers: u32, runs: u32) -> Result<[Times; N]> {
+fn best<const N: usize>(gpu: &Gpu, kinds: [Kind; N], layers: Layers, runs: u32) -> Result<[Times; N]> {
     let mut executor = Executor::new(gpu);
-    let none = Times { whole: f64::INFINITY, build: f64::INFINITY, sort: f64::INFINITY };
+    let none = Times { whole: f64::INFINITY, build: f64::INFINITY, sort: f64::INFINITY, memory: 0 };
     let mut best = [none; N];
     for _ in 0..=runs {
         for (kind, best) in kinds.into_iter().zip(&mut best) {
-            let times = frame(gpu, &mut executor, kind, size, layers)?;
+            let times = frame(gpu, &mut executor, kind, layers)?;
             best.whole = best.whole.min(times.whole);
             best.build = best.build.min(times.build);
             best.sort = best.sort.min(times.sort);
+            best.memory = times.memory;
         }
     }
     Ok(best)
@@ -210,7 +215,8 @@ fn slope(points: &[(f64, f64)]) -> f64 {
 }
 
 /// Runs a frame of one kind.
-fn frame(gpu: &Gpu, executor: &mut Executor, kind: Kind, size: [u32; 2], layers: u32) -> Result<Times> {
+fn frame(gpu: &Gpu, executor: &mut Executor, kind: Kind, layers: Layers) -> Result<Times> {
+    let size = layers.size;
     let mut graph = Graph::new("bench", gpu.caps());
     let depth = cleared_depth(&mut graph, size);
     let format = match kind {
@@ -219,12 +225,30 @@ fn frame(gpu: &Gpu, executor: &mut Executor, kind: Kind, size: [u32; 2], layers:
     };
     let color = graph.image("color", ImageShape::new_2d(format, size));
     let color = graph.clear("background", color, vk::ClearColorValue::default());
-    let layers = Layers(layers);
     let color = match kind {
         Kind::Nothing => color,
         Kind::Blend => blended(&mut graph, layers, &depth, color),
-        Kind::Arrays => composited(&mut graph, Build::Arrays, layers, &depth, color),
-        Kind::Lists => composited(&mut graph, Build::Lists(Sizing::Counted), layers, &depth, color),
+        Kind::Arrays => composited(&mut graph, ABuffer::default(), layers, &depth, color),
+        Kind::Lists => {
+            let build = Build::Lists(Sizing::Counted);
+            composited(&mut graph, ABuffer { build, ..ABuffer::default() }, layers, &depth, color)
+        }
+        Kind::SubgroupLists => {
+            let build = match gpu.caps().has(Feature::FragmentBallot) {
+                true => Build::SubgroupLists(Sizing::Counted),
+                false => Build::Lists(Sizing::Counted),
+            };
+            composited(&mut graph, ABuffer { build, ..ABuffer::default() }, layers, &depth, color)
+        }
+        Kind::Sorted(long_sort) => {
+            composited(&mut graph, ABuffer { long_sort, ..ABuffer::default() }, layers, &depth, color)
+        }
+        Kind::Filled(bytes) => {
+            let filled = graph.buffer("abuffer.least", bytes / 4 * 4);
+            let filled = graph.fill("abuffer.least", filled, 1);
+            graph.keep("least", &filled);
+            color
+        }
         Kind::Other(other) => OTHERS[other].1.composite(&mut graph, &view(size), &depth, &layers, color),
     };
     graph.keep("color", &color);
@@ -236,7 +260,19 @@ fn frame(gpu: &Gpu, executor: &mut Executor, kind: Kind, size: [u32; 2], layers:
         let sorting = |name: &str| [".resolve.", ".long.", ".sorted."].iter().any(|part| name.contains(part));
         own.filter(|pass| sorting(&pass.name) == sorts).map(|pass| pass.seconds).sum()
     };
-    Ok(Times { whole: executed.running.as_secs_f64(), build: sum(false), sort: sum(true) })
+    // Sizes that followed from a checkpoint are known to the last segment.
+    let memory = executed.later.last().map_or(0, |segment| {
+        let own = segment.description.resources.iter().filter(|resource| resource.name.starts_with("abuffer."));
+        own.map(|resource| bytes(&resource.shape)).sum()
+    });
+    Ok(Times { whole: executed.running.as_secs_f64(), build: sum(false), sort: sum(true), memory })
+}
+
+fn bytes(shape: &Shape) -> u64 {
+    match shape {
+        Shape::Buffer { size } => *size,
+        Shape::Image(image) => FormatInfo::of(image.format).map_or(0, |format| format.bytes(image.extent)),
+    }
 }
 
 fn cleared_depth(graph: &mut Graph, size: [u32; 2]) -> ImageHandle {
@@ -256,9 +292,15 @@ fn blended(graph: &mut Graph, layers: Layers, depth: &ImageHandle, color: ImageH
     color
 }
 
-fn composited(graph: &mut Graph, build: Build, layers: Layers, depth: &ImageHandle, color: ImageHandle) -> ImageHandle {
+fn composited(
+    graph: &mut Graph,
+    abuffer: ABuffer,
+    layers: Layers,
+    depth: &ImageHandle,
+    color: ImageHandle,
+) -> ImageHandle {
     let view = view(depth.size());
-    ABuffer { build, ..ABuffer::default() }.record(graph, &view, depth, &layers, color).color
+    abuffer.record(graph, &view, depth, &layers, color).color
 }
 
 /// Only how far layers are depends on it.

@@ -1,0 +1,3 @@
+#version 460
+#define TILED
+#include "voxel/texels.glsl"

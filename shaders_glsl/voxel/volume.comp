@@ -1,0 +1,2 @@
+#version 460
+#include "voxel/texels.glsl"
