@@ -12,19 +12,6 @@ layout(local_size_x = 64) in;
 layout(set = 0, binding = 7, rgba32ui) writeonly uniform uimage2D sorted;
 layout(set = 0, binding = 8, rgba32ui) readonly uniform uimage2D flat_nodes; // of lists
 
-#define LOAD_PLACE(i) { \
-    uint node = place + min(i, left - 1u); \
-    uvec4 texel = LINKED ? imageLoad(flat_nodes, node_texel(node)) : node_at(node); \
-    slot_depth[i] = i < left ? int(texel.x) : -1; \
-    slot_key[i] = signed_key(texel.y); \
-    slot_payload[i] = LINKED ? texel.zw : node_payload(node, texel); \
-}
-
-#define STORE_PLACE(i) if (i < left) { \
-    uvec4 texel = uvec4(slot_depth[i], uint(slot_key[i]) ^ 0x80000000u, slot_payload[i]); \
-    imageStore(sorted, node_texel(place + i), texel); \
-}
-
 void main() {
     Pixel pixel;
     if (!long_pixel(work_index(), pixel)) {
@@ -36,7 +23,17 @@ void main() {
     }
     uint left = pixel.count - done;
     uint place = pixel.place + done;
-    EACH_SLOT(LOAD_PLACE)
+    for (uint i = 0u; i < SLOTS; i++) {
+        uint node = place + min(i, left - 1u);
+        uvec4 texel = LINKED ? imageLoad(flat_nodes, node_texel(node)) : node_at(node);
+        slot_depth[i] = i < left ? int(texel.x) : -1;
+        slot_key[i] = signed_key(texel.y);
+        slot_payload[i] = LINKED ? texel.zw : node_payload(node, texel);
+    }
     sort_slots();
-    EACH_SLOT(STORE_PLACE)
+    for (uint i = 0u; i < SLOTS; i++) {
+        if (i < left) {
+            imageStore(sorted, node_texel(place + i), slot_node(i));
+        }
+    }
 }

@@ -13,17 +13,6 @@ layout(set = 0, binding = 5, rgba32f) uniform image2D color; // premultiplied
 layout(set = 0, binding = 7, rgba32ui) readonly uniform uimage2D even;
 layout(set = 0, binding = 8, rgba32ui) readonly uniform uimage2D odd;
 
-// Eight nodes a turn: lavapipe 22 ends loops after 65,535.
-#define LAYER(i) { \
-    ivec2 at = node_texel(pixel.place + min(done + i, pixel.count - 1u)); \
-    uvec4 node = in_odd ? imageLoad(odd, at) : imageLoad(even, at); \
-    Layer layer = node_layer(signed_key(node.y), node.zw); \
-    layer.rgb = done + i < pixel.count ? layer.rgb : vec3(0.0); \
-    layer.through = done + i < pixel.count ? layer.through : vec3(1.0); \
-    put_behind(front, layer); \
-    clamped = clamped || is_clamped(node.zw); \
-}
-
 void main() {
     Pixel pixel;
     if (!long_pixel(work_index(), pixel)) {
@@ -32,8 +21,18 @@ void main() {
     bool in_odd = (merges_of(pixel.count) & 1u) == 1u;
     Gathered front = NOTHING_GATHERED;
     bool clamped = false;
+    // Eight nodes a turn: lavapipe 22 ends loops after 65,535.
     for (uint done = 0u; done < pixel.count && any(greaterThan(front.through, vec3(0.0))); done += 8u) {
-        LAYER(0u) LAYER(1u) LAYER(2u) LAYER(3u) LAYER(4u) LAYER(5u) LAYER(6u) LAYER(7u)
+        for (uint i = 0u; i < 8u; i++) {
+            bool there = done + i < pixel.count;
+            ivec2 at = node_texel(pixel.place + min(done + i, pixel.count - 1u));
+            uvec4 node = in_odd ? imageLoad(odd, at) : imageLoad(even, at);
+            Layer layer = node_layer(signed_key(node.y), node.zw);
+            layer.rgb = there ? layer.rgb : vec3(0.0);
+            layer.through = there ? layer.through : vec3(1.0);
+            put_behind(front, layer);
+            clamped = clamped || is_clamped(node.zw);
+        }
     }
     if (clamped) {
         atomicAdd(report.clamped_pixels, 1u);

@@ -1,5 +1,6 @@
 // Up to 16 nodes in registers, nearest first, by a sorting network (Batcher 1968, odd-even merge sort): no branch, no
-// indexed memory, the same steps for all lanes of a vector.
+// indexed memory, the same steps for all lanes of a vector. Loops over all slots are unrolled by drivers, after what
+// other formats of nodes need has gone from their bodies: written out here, pipelines take twice as long to make.
 
 layout(constant_id = 5) const uint SLOTS = 16u; // 4, 8 or 16
 
@@ -26,14 +27,12 @@ uvec2 slot_payload[16];
     FRONT_FIRST(a, a + 2) FRONT_FIRST(a + 1, a + 3) \
     FRONT_FIRST(a + 1, a + 2)
 
-#define SORT_8(a) \
-    SORT_4(a) SORT_4(a + 4) \
+#define MERGE_8(a) \
     FRONT_FIRST(a, a + 4) FRONT_FIRST(a + 1, a + 5) FRONT_FIRST(a + 2, a + 6) FRONT_FIRST(a + 3, a + 7) \
     FRONT_FIRST(a + 2, a + 4) FRONT_FIRST(a + 3, a + 5) \
     FRONT_FIRST(a + 1, a + 2) FRONT_FIRST(a + 3, a + 4) FRONT_FIRST(a + 5, a + 6)
 
-#define SORT_16 \
-    SORT_8(0) SORT_8(8) \
+#define MERGE_16 \
     FRONT_FIRST(0, 8) FRONT_FIRST(1, 9) FRONT_FIRST(2, 10) FRONT_FIRST(3, 11) \
     FRONT_FIRST(4, 12) FRONT_FIRST(5, 13) FRONT_FIRST(6, 14) FRONT_FIRST(7, 15) \
     FRONT_FIRST(4, 8) FRONT_FIRST(5, 9) FRONT_FIRST(6, 10) FRONT_FIRST(7, 11) \
@@ -43,20 +42,14 @@ uvec2 slot_payload[16];
     FRONT_FIRST(11, 12) FRONT_FIRST(13, 14)
 
 void sort_slots() {
-    if (SLOTS == 4u) {
-        SORT_4(0)
-    } else if (SLOTS == 8u) {
-        SORT_8(0)
-    } else {
-        SORT_16
+    SORT_4(0)
+    if (SLOTS > 4u) {
+        SORT_4(4) MERGE_8(0)
+    }
+    if (SLOTS > 8u) {
+        SORT_4(8) SORT_4(12) MERGE_8(8) MERGE_16
     }
 }
-
-// `each(i)` for every slot, in order.
-#define EACH_SLOT(each) \
-    each(0) each(1) each(2) each(3) \
-    if (SLOTS > 4u) { each(4) each(5) each(6) each(7) } \
-    if (SLOTS > 8u) { each(8) each(9) each(10) each(11) each(12) each(13) each(14) each(15) }
 
 // Whether a pixel of the class of so many slots is at `place` of its class.
 bool short_pixel(uint place, out Pixel pixel) {
@@ -67,11 +60,19 @@ bool short_pixel(uint place, out Pixel pixel) {
     return there;
 }
 
-// Loads node `i` of those that begin at `node`, of which `left` are there.
-#define LOAD_SLOT(i) { \
-    uvec4 texel = node_at(node); \
-    slot_depth[i] = i < left ? int(texel.x) : -1; \
-    slot_key[i] = signed_key(texel.y); \
-    slot_payload[i] = node_payload(node, texel); \
-    node = i < left ? node_after(node, texel) : node; \
+// Loads the nodes of a pixel.
+void load_slots(Pixel pixel) {
+    uint node = pixel.first;
+    for (uint i = 0u; i < SLOTS; i++) {
+        uvec4 texel = node_at(node);
+        slot_depth[i] = i < pixel.count ? int(texel.x) : -1;
+        slot_key[i] = signed_key(texel.y);
+        slot_payload[i] = node_payload(node, texel);
+        node = i < pixel.count ? node_after(node, texel) : node;
+    }
+}
+
+// A slot's node, as it is kept once it is sorted.
+uvec4 slot_node(uint i) {
+    return uvec4(slot_depth[i], uint(slot_key[i]) ^ 0x80000000u, slot_payload[i]);
 }

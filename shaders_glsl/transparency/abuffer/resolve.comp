@@ -14,26 +14,22 @@ layout(local_size_x = 64) in;
 layout(set = 0, binding = 5, rgba32f) uniform image2D color; // premultiplied
 #include "transparency/abuffer/filled.glsl"
 
-#define COMPOSITE(i) { \
-    Layer layer = node_layer(slot_key[i], slot_payload[i]); \
-    layer.rgb = i < pixel.count ? layer.rgb : vec3(0.0); \
-    layer.through = i < pixel.count ? layer.through : vec3(1.0); \
-    put_behind(front, layer); \
-    clamped = clamped || (i < pixel.count && is_clamped(slot_payload[i])); \
-}
-
 void main() {
     Pixel pixel;
     if (!short_pixel(work_index(), pixel)) {
         return;
     }
-    uint node = pixel.first;
-    uint left = pixel.count;
-    EACH_SLOT(LOAD_SLOT)
+    load_slots(pixel);
     sort_slots();
     Gathered front = NOTHING_GATHERED;
     bool clamped = false;
-    EACH_SLOT(COMPOSITE)
+    for (uint i = 0u; i < SLOTS; i++) {
+        Layer layer = node_layer(slot_key[i], slot_payload[i]);
+        layer.rgb = i < pixel.count ? layer.rgb : vec3(0.0);
+        layer.through = i < pixel.count ? layer.through : vec3(1.0);
+        put_behind(front, layer);
+        clamped = clamped || (i < pixel.count && is_clamped(slot_payload[i]));
+    }
     if (clamped) {
         atomicAdd(report.clamped_pixels, 1u);
     }

@@ -12,19 +12,16 @@ layout(local_size_x = 64) in;
 
 layout(set = 0, binding = 7, rgba32ui) writeonly uniform uimage2D sorted;
 
-#define STORE_SLOT(i) if (i < pixel.count) { \
-    uvec4 texel = uvec4(slot_depth[i], uint(slot_key[i]) ^ 0x80000000u, slot_payload[i]); \
-    imageStore(sorted, node_texel(pixel.place + i), texel); \
-}
-
 void main() {
     Pixel pixel;
     if (!short_pixel(work_index(), pixel)) {
         return;
     }
-    uint node = pixel.first;
-    uint left = pixel.count;
-    EACH_SLOT(LOAD_SLOT)
+    load_slots(pixel);
     sort_slots();
-    EACH_SLOT(STORE_SLOT)
+    for (uint i = 0u; i < SLOTS; i++) {
+        if (i < pixel.count) {
+            imageStore(sorted, node_texel(pixel.place + i), slot_node(i));
+        }
+    }
 }
