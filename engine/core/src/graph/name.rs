@@ -126,8 +126,8 @@ impl fmt::Debug for Name {
 
 impl PartialEq for Name {
     fn eq(&self, other: &Self) -> bool {
-        let same_text = std::ptr::eq::<str>(&*self.base, &*other.base);
-        (same_text && self.number == other.number) || self.parts() == other.parts()
+        let same_text = || std::ptr::eq::<str>(&*self.base, &*other.base) || *self.base == *other.base;
+        (self.number == other.number && same_text()) || self.parts() == other.parts()
     }
 }
 

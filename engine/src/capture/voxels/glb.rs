@@ -59,8 +59,8 @@ impl Mesh {
             let mut before = none.clone();
             let mut plane = 0;
             let mut next = |behind: &[u64]| {
-                mesh.plane(order, [width, height], plane, [&before, behind], true);
                 mesh.plane(order, [width, height], plane, [behind, &before], false);
+                mesh.plane(order, [width, height], plane, [&before, behind], true);
                 before.copy_from_slice(behind);
                 plane += 1;
             };

@@ -13,9 +13,11 @@ use shadowgraph::techniques::voxel::attributes::Attributes;
 use shadowgraph::techniques::voxel::bitmask::{Bitmask, Combine};
 use shadowgraph::techniques::voxel::bricks::Bricks;
 use shadowgraph::techniques::voxel::conservative::{Conservative, Pipeline};
+use shadowgraph::techniques::voxel::six_separating::SixSeparating;
 use shadowgraph::techniques::voxel::stencil::Stencil;
+use shadowgraph::techniques::voxel::vote::Vote;
 use shadowgraph::techniques::voxel::winding::Winding;
-use shadowgraph::techniques::voxel::{Grid, VoxelBits, Voxels};
+use shadowgraph::techniques::voxel::{Axis, Grid, VoxelBits, Voxels};
 
 use super::{Measurement, median, milliseconds, rays};
 use crate::cli::{BenchArguments, DeviceArguments};
@@ -31,7 +33,9 @@ enum Method {
     Solid(Combine),
     Stencil,
     Winding,
+    Vote,
     Conservative(Pipeline),
+    SixSeparating,
     Atlas,
     Attributes,
     Bricks,
@@ -44,14 +48,16 @@ const MOST_SLICED: usize = 40_000_000;
 const MOST_WHOLE: u32 = 1024;
 const MOST_WITH_ATTRIBUTES: u32 = 512;
 
-const METHODS: [(&str, Method); 10] = [
+const METHODS: [(&str, Method); 12] = [
     ("bitmask", Method::Solid(Combine::Bit)),
     ("bitmask, masks", Method::Solid(Combine::Masks)),
     ("bitmask, logic", Method::Solid(Combine::LogicOp)),
     ("winding", Method::Winding),
     ("stencil", Method::Stencil),
+    ("vote", Method::Vote),
     ("conservative", Method::Conservative(Pipeline::Compute)),
     ("conservative, raster", Method::Conservative(Pipeline::Raster)),
+    ("six-separating", Method::SixSeparating),
     ("atlas", Method::Atlas),
     ("attributes", Method::Attributes),
     ("bricks", Method::Bricks),
@@ -63,6 +69,15 @@ impl Method {
             Self::Solid(combine) => Bitmask { combine, ..Bitmask::default() }.record(graph, scene, grid),
             Self::Stencil => Stencil::default().record(graph, scene, grid),
             Self::Winding => Winding::default().record(graph, scene, grid),
+            Self::Vote => {
+                let vote = Vote::default();
+                let leaks = vote.leaks(graph, scene, grid);
+                let along = [Axis::X, Axis::Y, Axis::Z]
+                    .map(|axis| Winding { axis, ..Winding::default() }.record(graph, scene, grid));
+                let [x, y, z] = along;
+                vote.record(graph, [&x?, &y?, &z?], &leaks)
+            }
+            Self::SixSeparating => SixSeparating::default().record(graph, scene, grid),
             Self::Conservative(pipeline) => {
                 Conservative { pipeline, ..Conservative::default() }.record(graph, scene, grid)
             }
@@ -84,6 +99,7 @@ impl Method {
 /// Every method, over resolution and over triangles.
 pub fn run(arguments: &BenchArguments, tell: &mut impl FnMut(Measurement) -> Result<()>) -> Result<()> {
     let gpu = session::open(&DeviceArguments::default())?;
+    let mut all = Vec::new();
     let measured = CASES.iter().try_for_each(|&(segments, resolution)| {
         let scene = sphere(segments);
         let triangles = scene.meshes[0].primitives[0].indices.len() / 3;
@@ -95,6 +111,7 @@ pub fn run(arguments: &BenchArguments, tell: &mut impl FnMut(Measurement) -> Res
         };
         for (name, method) in METHODS.into_iter().filter(|&(_, method)| fits(method)) {
             let (time, set) = measure(&gpu, &scene, method, resolution, arguments.runs as usize)?;
+            all.push((name, triangles, resolution, time));
             let case = format!("{name}, {triangles} triangles, {resolution}");
             let told = |metric: &str, value, unit| Measurement {
                 bench: "voxelize",
@@ -108,9 +125,35 @@ pub fn run(arguments: &BenchArguments, tell: &mut impl FnMut(Measurement) -> Res
         }
         Ok(())
     });
+    let measured = measured.and_then(|()| growth(&all, tell));
     let measured = measured.and_then(|()| rays::run(&gpu, &sphere(264), arguments.runs as usize, tell));
     let closed = session::close(gpu);
     measured.and(closed)
+}
+
+/// How a method's time grows from case to case: its exponent of voxels an axis, and of triangles.
+fn growth(all: &[(&str, usize, u32, f64)], tell: &mut impl FnMut(Measurement) -> Result<()>) -> Result<()> {
+    for (name, _) in METHODS {
+        let cases: Vec<_> = all.iter().filter(|case| case.0 == name).collect();
+        for (index, &&(_, triangles, resolution, time)) in cases.iter().enumerate() {
+            let mut exponent = |of: &str, to: &(&str, usize, u32, f64), ratio: f64| {
+                let case = match of {
+                    "voxels" => format!("{name}, {triangles} triangles, {resolution} to {}", to.2),
+                    _ => format!("{name}, {triangles} to {} triangles, {resolution}", to.1),
+                };
+                let value = (to.3 / time).ln() / ratio.ln();
+                tell(Measurement { bench: "voxelize", case, metric: "growth".into(), value, unit: "exponent" })
+            };
+            let behind = || cases[index + 1..].iter();
+            if let Some(finer) = behind().find(|case| case.1 == triangles && case.2 > resolution) {
+                exponent("voxels", finer, f64::from(finer.2) / f64::from(resolution))?;
+            }
+            if let Some(more) = behind().find(|case| case.2 == resolution && case.1 > triangles) {
+                exponent("triangles", more, more.1 as f64 / triangles as f64)?;
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Median milliseconds, and how many voxels are set.
