@@ -248,8 +248,8 @@ pub struct InfoArguments {
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "\
 Benchmarks:
-  abuffer  layers of one colour over the whole picture: building, sorting and compositing them,
-           beside blending of the same fragments
+  abuffer  layers of one colour, as many everywhere and by other distributions: building, sorting
+           and compositing them, beside blending of the same fragments; long lists sorted in each way
   capture  whole captures, each in a process of its own: process start, device, loading, first-draw
            compilation, rendering, read-back, writing; cold (no compiled shaders on disk) and warm
   graph    chains and trees of 10 to 10 000 small passes: describing, planning, recording, memory
