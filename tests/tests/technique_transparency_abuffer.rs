@@ -410,7 +410,7 @@ fn transparency_abuffer_sorts_alike_by_every_method() {
 /// Nodes allocated by subgroups are no more and no less, and give the same bytes: small triangles and large ones, behind
 /// and before what is opaque, of every format, with too few nodes too.
 #[test]
-fn portable_transparency_abuffer_by_subgroups_is_the_same() {
+fn transparency_abuffer_by_subgroups_is_the_same() {
     if !shared().caps().has(Feature::FragmentBallot) || !shared().caps().has(Feature::OcclusionQueryPrecise) {
         return skip("no ballots among fragments, or no precise occlusion queries");
     }

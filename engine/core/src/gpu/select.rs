@@ -149,7 +149,9 @@ fn inspect(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Result<Can
         None => offer.missing.push("a queue family with graphics and compute".into()),
     }
     let ballot = vk::SubgroupFeatureFlags::BASIC | vk::SubgroupFeatureFlags::BALLOT;
-    if v11.subgroup_supported_stages.contains(vk::ShaderStageFlags::FRAGMENT)
+    // SwiftShader elects fragments that failed the early depth test, whose atomics do nothing.
+    if !caps.driver.contains("SwiftShader")
+        && v11.subgroup_supported_stages.contains(vk::ShaderStageFlags::FRAGMENT)
         && v11.subgroup_supported_operations.contains(ballot)
     {
         offer.optional.insert(Feature::FragmentBallot);
