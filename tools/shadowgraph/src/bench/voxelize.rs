@@ -26,7 +26,7 @@ use crate::session;
 
 /// Segments of the sphere and voxels along an axis.
 const CASES: [(u32, u32); 9] =
-    [(4, 256), (40, 256), (264, 64), (264, 128), (264, 256), (264, 512), (264, 1024), (264, 2048), (1000, 256)];
+    [(3, 256), (40, 256), (264, 64), (264, 128), (264, 256), (264, 512), (264, 1024), (264, 2048), (1000, 256)];
 
 #[derive(Clone, Copy)]
 enum Method {
@@ -187,9 +187,9 @@ fn find<'f>(
     Ok(Voxels::read(executed.capture("voxels")?, &grid, axis)?.count())
 }
 
-/// A unit sphere of about `segments`² triangles.
+/// A unit sphere of about `segments`² triangles, at least 12.
 fn sphere(segments: u32) -> Scene {
-    let rings = segments / 2 + 1;
+    let rings = (segments / 2 + 1).max(3);
     let mut primitive = Primitive::default();
     for ring in 0..=rings {
         for segment in 0..segments {

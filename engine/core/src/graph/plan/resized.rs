@@ -49,9 +49,9 @@ impl Planned {
         self
     }
 
-    /// Plans the frame `to`, for the same device, which is `from`, that this plan was made for, but for extents of images and lengths of whole
-    /// buffers. The plan is the one that [`Planned::new`] finds. Nothing where more differs, where the sizes are wrong, or
-    /// where steps would come in another order: then [`Planned::new`] does.
+    /// Plans the frame `to`, for the same device. It is `from`, that this plan was made for, but for extents of images and
+    /// lengths of whole buffers. The plan is the one that [`Planned::new`] finds. Nothing where more differs, where the sizes
+    /// are wrong, or where steps would come in another order: then [`Planned::new`] does.
     pub fn resized(&self, from: &Description, to: &Description, device: &dyn DeviceModel) -> Option<Self> {
         let Kept { outline, earlier } = &**self.kept.as_ref()?;
         // 1. Nothing but sizes differs, and these can be.

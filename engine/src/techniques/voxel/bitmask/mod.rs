@@ -51,8 +51,8 @@ pub enum Combine {
     Bit,
     /// An atomic XOR for each word of the column behind the surface.
     Masks,
-    /// The XOR logic operation on attachments of 128 voxels each, as in the paper: up to eight of them a pass, and as many
-    /// passes as it takes. Without the device's `logicOp`, [`Combine::Masks`] stands in.
+    /// The XOR logic operation on attachments of 128 voxels each (of 32 where the grid has no more), as in the paper: up to
+    /// eight of them a pass, and as many passes as it takes. Without the device's `logicOp`, [`Combine::Masks`] stands in.
     LogicOp,
 }
 
@@ -183,8 +183,9 @@ impl Columns<'_> {
         [first, targets]: [u32; 2],
         fill: Fill,
     ) -> ImageHandle {
-        let [width, height, _] = self.grid.columns(self.axis);
-        let shape = ImageShape::new_2d(vk::Format::R32G32B32A32_UINT, [width, height]).layers(targets);
+        let [width, height, voxels] = self.grid.columns(self.axis);
+        let format = if voxels <= 32 { vk::Format::R32_UINT } else { vk::Format::R32G32B32A32_UINT };
+        let shape = ImageShape::new_2d(format, [width, height]).layers(targets);
         let masks = graph.image(self.named(format_args!("masks.{first}")), shape);
         let layers = graph.split_layers(masks);
         let (shader, slots) = FLIP_TARGETS[targets.ilog2() as usize];
