@@ -42,11 +42,10 @@ enum Method {
 }
 
 /// Most slices times triangles that are drawn one slice after the other.
-const MOST_SLICED: usize = 40_000_000;
+const MOST_SLICED: usize = 80_000_000;
 
-/// Most voxels an axis that are found as a whole, and with attributes.
+/// Most voxels an axis that are found as a whole.
 const MOST_WHOLE: u32 = 1024;
-const MOST_WITH_ATTRIBUTES: u32 = 512;
 
 const METHODS: [(&str, Method); 12] = [
     ("bitmask", Method::Solid(Combine::Bit)),
@@ -105,7 +104,6 @@ pub fn run(arguments: &BenchArguments, tell: &mut impl FnMut(Measurement) -> Res
         let triangles = scene.meshes[0].primitives[0].indices.len() / 3;
         let fits = |method: Method| match method {
             Method::Stencil => triangles * resolution as usize <= MOST_SLICED,
-            Method::Attributes => resolution <= MOST_WITH_ATTRIBUTES,
             Method::Bricks => true,
             _ => resolution <= MOST_WHOLE,
         };
