@@ -223,7 +223,6 @@ impl<'a> Ordered<'a> {
         if !memory.is_empty() {
             tenants(images, memory);
             subsumed(memory);
-            self.drop_seen(barriers, &last);
         }
         let Barriers { images, buffers, memory } = barriers;
         images.retain(|barrier| !is_covered(&barrier.from, &mut barrier.to, barrier.ownership, memory));
@@ -271,49 +270,6 @@ impl<'a> Ordered<'a> {
             keep
         });
         self.for_all.iter_mut().for_each(|other| other.behind |= std::mem::take(&mut other.more));
-    }
-
-    /// Takes out barriers of writes that an earlier barrier for all memory made available, and that another one of this
-    /// call makes visible.
-    fn drop_seen(&self, barriers: &mut Barriers, last: &impl Fn(Option<Work>) -> Option<u32>) {
-        let Barriers { images, buffers, memory } = barriers;
-        if self.for_all.is_empty() {
-            return;
-        }
-        let mut index = 0;
-        while index < memory.len() {
-            let MemoryBarrier { from, to, reason } = memory[index];
-            let mut others = memory[..index].iter().chain(&memory[index + 1..]);
-            if last(reason.before).is_some_and(|before| self.is_seen(&from, &to, before, &mut others)) {
-                memory.remove(index);
-            } else {
-                index += 1;
-            }
-        }
-        let seen = |from: &Access, to: &Access, ownership: &Option<Ownership>, before: Option<Work>| {
-            let stays = from.layout == to.layout && ownership.is_none();
-            stays && last(before).is_some_and(|before| self.is_seen(from, to, before, &mut memory.iter()))
-        };
-        images.retain(|barrier| !seen(&barrier.from, &barrier.to, &barrier.ownership, barrier.reason.before));
-        buffers.retain(|barrier| !seen(&barrier.from, &barrier.to, &barrier.ownership, barrier.reason.before));
-    }
-
-    /// Whether one of `others`, of the call looked at, makes visible what was available before, and was over at `before`.
-    fn is_seen<'b>(
-        &self,
-        from: &Access,
-        to: &Access,
-        before: u32,
-        others: &mut (impl Iterator<Item = &'b MemoryBarrier> + Clone),
-    ) -> bool {
-        if from.mask.is_empty() || to.mask.is_empty() {
-            return false;
-        }
-        let available = self.for_all.iter().rev().take_while(|earlier| earlier.step >= before);
-        available.filter(|earlier| holds(&earlier.from, from)).any(|earlier| {
-            let chained = |other: &MemoryBarrier| with_earlier(set(other.from.stages)) & earlier.behind != 0;
-            others.clone().any(|other| holds(&other.to, to) && chained(other))
-        })
     }
 
     /// Leaves of first scopes without memory what nothing else orders, and one stage at least: what it is chained to.
