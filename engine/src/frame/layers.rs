@@ -50,9 +50,7 @@ impl Selection {
             }),
         }
     }
-}
 
-impl Selection {
     /// How many of the things that are numbered from 0, `prefix.0`, `prefix.1`, …, a selection by name asks for: as many
     /// as there are up to the greatest number. All layers do not ask for any.
     pub(super) fn numbered(&self, prefix: &str) -> u32 {

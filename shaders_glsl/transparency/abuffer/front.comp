@@ -12,14 +12,6 @@ layout(local_size_x = 64) in;
 
 layout(set = 0, binding = 5, r32f) writeonly uniform image2D front; // along the view axis, metres
 
-// Eight nodes a turn: lavapipe 22 ends loops after 65,535.
-#define NEARER if (left > 0u) { \
-    uvec4 texel = node_at(node); \
-    depth = max(depth, uintBitsToFloat(texel.x)); \
-    node = node_after(node, texel); \
-    --left; \
-}
-
 void main() {
     uint place = work_index();
     if (place >= work_count()) {
@@ -30,7 +22,15 @@ void main() {
     uint left = pixel.count;
     float depth = 0.0;
     while (left > 0u) {
-        NEARER NEARER NEARER NEARER NEARER NEARER NEARER NEARER
+        // Eight nodes a turn: lavapipe 22 ends loops after 65,535.
+        for (uint i = 0u; i < 8u; i++) {
+            if (left > 0u) {
+                uvec4 texel = node_at(node);
+                depth = max(depth, uintBitsToFloat(texel.x));
+                node = node_after(node, texel);
+                --left;
+            }
+        }
     }
     ivec2 at = pixel_of(pixel.index);
     imageStore(front, at, vec4(-view_position(0u, vec2(at) + 0.5, depth).z));

@@ -14,20 +14,6 @@ layout(set = 0, binding = 5, rgba32f) writeonly uniform image2D color; // premul
 layout(set = 0, binding = 6, r32f) writeonly uniform image2D distance_image; // along the view axis, metres
 layout(set = 0, binding = 7, rg32ui) uniform uimage2D last; // depth and key of the last layer
 
-bool in_front(uvec2 a, uvec2 b) {
-    return a.x > b.x || (a.x == b.x && a.y > b.y);
-}
-
-// Eight nodes a turn: lavapipe 22 ends loops after 65,535.
-#define NEXT if (left > 0u) { \
-    uvec4 texel = node_at(node); \
-    bool next = in_front(before, texel.xy) && in_front(texel.xy, found.xy); \
-    found = next ? texel : found; \
-    found_node = next ? node : found_node; \
-    node = node_after(node, texel); \
-    --left; \
-}
-
 void main() {
     uint place = work_index();
     if (place >= work_count()) {
@@ -35,14 +21,24 @@ void main() {
     }
     Pixel pixel = work[place];
     ivec2 at = pixel_of(pixel.index);
-    uvec2 before = imageLoad(last, at).xy;
+    uvec4 before = imageLoad(last, at);
     uint node = pixel.first;
     uint left = pixel.count;
     // Nodes are nearer than depth 0: what they passed is nowhere behind that.
     uvec4 found = uvec4(0u);
     uint found_node = 0u;
     while (left > 0u) {
-        NEXT NEXT NEXT NEXT NEXT NEXT NEXT NEXT
+        // Eight nodes a turn: lavapipe 22 ends loops after 65,535.
+        for (uint i = 0u; i < 8u; i++) {
+            if (left > 0u) {
+                uvec4 texel = node_at(node);
+                bool next = in_front(before, texel) && in_front(texel, found);
+                found = next ? texel : found;
+                found_node = next ? node : found_node;
+                node = node_after(node, texel);
+                --left;
+            }
+        }
     }
     imageStore(last, at, found);
     if (found.x == 0u) {

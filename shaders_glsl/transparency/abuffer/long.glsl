@@ -16,7 +16,3 @@ bool long_pixel(uint place, out Pixel pixel) {
     pixel = work[before + (there ? place : 0u)];
     return there;
 }
-
-bool in_front(uvec4 a, uvec4 b) {
-    return a.x > b.x || (a.x == b.x && a.y > b.y);
-}

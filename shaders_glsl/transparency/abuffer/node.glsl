@@ -36,6 +36,11 @@ ivec2 node_texel(uint texel) {
     return ivec2(texel % NODE_ROW, texel / NODE_ROW);
 }
 
+// By the first texels of two nodes.
+bool in_front(uvec4 a, uvec4 b) {
+    return a.x > b.x || (a.x == b.x && a.y > b.y);
+}
+
 // No node: the end of a list.
 const uint NO_NODE = 0xffffffffu;
 

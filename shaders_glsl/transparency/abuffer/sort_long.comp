@@ -10,21 +10,17 @@ layout(set = 0, binding = 7, rgba32ui) readonly uniform uimage2D even;
 layout(set = 0, binding = 8, rgba32ui) readonly uniform uimage2D odd;
 layout(set = 0, binding = 9, rgba32ui) writeonly uniform uimage2D sorted;
 
-// Eight nodes a turn: lavapipe 22 ends loops after 65,535.
-#define COPY if (done < pixel.count) { \
-    ivec2 at = node_texel(pixel.place + done); \
-    imageStore(sorted, at, in_odd ? imageLoad(odd, at) : imageLoad(even, at)); \
-    ++done; \
-}
-
 void main() {
     Pixel pixel;
     if (!long_pixel(work_index(), pixel)) {
         return;
     }
     bool in_odd = (merges_of(pixel.count) & 1u) == 1u;
-    uint done = 0u;
-    while (done < pixel.count) {
-        COPY COPY COPY COPY COPY COPY COPY COPY
+    // Eight nodes a turn: lavapipe 22 ends loops after 65,535.
+    for (uint first = 0u; first < pixel.count; first += 8u) {
+        for (uint done = first; done < min(first + 8u, pixel.count); ++done) {
+            ivec2 at = node_texel(pixel.place + done);
+            imageStore(sorted, at, in_odd ? imageLoad(odd, at) : imageLoad(even, at));
+        }
     }
 }

@@ -134,20 +134,18 @@ fn growth(all: &[(&str, usize, u32, f64)], tell: &mut impl FnMut(Measurement) ->
     for (name, _) in METHODS {
         let cases: Vec<_> = all.iter().filter(|case| case.0 == name).collect();
         for (index, &&(_, triangles, resolution, time)) in cases.iter().enumerate() {
-            let mut exponent = |of: &str, to: &(&str, usize, u32, f64), ratio: f64| {
-                let case = match of {
-                    "voxels" => format!("{name}, {triangles} triangles, {resolution} to {}", to.2),
-                    _ => format!("{name}, {triangles} to {} triangles, {resolution}", to.1),
-                };
-                let value = (to.3 / time).ln() / ratio.ln();
+            let mut exponent = |case: String, ratio: f64, times: f64| {
+                let value = times.ln() / ratio.ln();
                 tell(Measurement { bench: "voxelize", case, metric: "growth".into(), value, unit: "exponent" })
             };
             let behind = || cases[index + 1..].iter();
             if let Some(finer) = behind().find(|case| case.1 == triangles && case.2 > resolution) {
-                exponent("voxels", finer, f64::from(finer.2) / f64::from(resolution))?;
+                let case = format!("{name}, {triangles} triangles, {resolution} to {}", finer.2);
+                exponent(case, f64::from(finer.2) / f64::from(resolution), finer.3 / time)?;
             }
             if let Some(more) = behind().find(|case| case.2 == resolution && case.1 > triangles) {
-                exponent("triangles", more, more.1 as f64 / triangles as f64)?;
+                let case = format!("{name}, {triangles} to {} triangles, {resolution}", more.1);
+                exponent(case, more.1 as f64 / triangles as f64, more.3 / time)?;
             }
         }
     }

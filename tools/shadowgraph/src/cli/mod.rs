@@ -161,8 +161,8 @@ Layers: color (R,G,B,A), Z (distance along the view axis, m), N (normal) and P (
 albedo, roughness, metallic, occlusion, emissive, direct (light that came straight from lamps), id.object, \
 id.primitive, id.material (from 1; names in the header), shadow.LIGHT, transmittance.LIGHT (what comes through glass; \
 with --deep-shadows), cascade.index, abuffer.count and abuffer.front.Z (layers, and how far the nearest is; with \
---transparency abuffer), abuffer.0, abuffer.1, ... by name alone (the nearest layer, the next: R,G,B,A,Z), ambient_occlusion (the open share of the space around; with --voxels), and shadow maps as parts \
-map.LIGHT.
+--transparency abuffer), abuffer.0, abuffer.1, ... by name alone (the nearest layer, the next: R,G,B,A,Z), \
+ambient_occlusion (the open share of the space around; with --voxels), and shadow maps as parts map.LIGHT.
 
 Examples:
   shadowgraph capture scene.glb -o out.exr

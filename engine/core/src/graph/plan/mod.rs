@@ -40,6 +40,7 @@ pub(super) use segments::{first_segment, states};
 pub(super) use versions::held_at_the_end;
 
 use std::hash::{Hash, Hasher};
+use std::sync::Arc;
 
 use self::barriers::Context;
 use self::dependencies::{Dependencies, Events};
@@ -47,6 +48,7 @@ use self::memo::Memo;
 use self::outline::Outline;
 use self::place::{Placed, place};
 use self::queues::RoundTrip;
+use self::resized::Kept;
 use self::versions::Versions;
 use super::description::{Description, Origin, PassId, Queue, ResourceId, Shape};
 use super::errors::{ErrorKind, GraphError, GraphErrors};
@@ -60,7 +62,7 @@ pub fn plan(description: &Description, device: &dyn DeviceModel) -> Result<Plan,
         return Ok(segment(description, 0, &[], device)?.plan);
     }
     let chosen = choose(description, device)?;
-    plan_chosen(description, chosen, device)
+    Ok(plan_chosen(description, chosen, device)?.0)
 }
 
 /// What runs of a description that is right.
@@ -89,7 +91,12 @@ fn choose(description: &Description, device: &dyn DeviceModel) -> Result<Chosen,
     Ok(Chosen { versions, live, culled, events, dependencies })
 }
 
-fn plan_chosen(description: &Description, chosen: Chosen, device: &dyn DeviceModel) -> Result<Plan, GraphErrors> {
+/// The plan, and what planning it for other sizes goes on from.
+fn plan_chosen(
+    description: &Description,
+    chosen: Chosen,
+    device: &dyn DeviceModel,
+) -> Result<(Plan, Kept), GraphErrors> {
     // 3. Order, queues, and when each resource is alive.
     let (outline, needs) = Outline::new(description, chosen, device)?;
 
@@ -97,7 +104,8 @@ fn plan_chosen(description: &Description, chosen: Chosen, device: &dyn DeviceMod
     let mut placed = place(description, device, &needs, &outline.lifetimes);
 
     // 5. Barriers.
-    Ok(complete(description, &outline, &mut placed))
+    let plan = complete(description, &outline, &mut placed);
+    Ok((plan, Kept { outline: Arc::new(outline), earlier: placed.earlier }))
 }
 
 /// Puts barriers between, and steps together. The plan takes the placements.

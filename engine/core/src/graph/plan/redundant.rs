@@ -224,7 +224,6 @@ impl<'a> Ordered<'a> {
             tenants(images, memory);
             subsumed(memory);
         }
-        let Barriers { images, buffers, memory } = barriers;
         images.retain(|barrier| !is_covered(&barrier.from, &mut barrier.to, barrier.ownership, memory));
         buffers.retain_mut(|barrier| !is_covered(&barrier.from, &mut barrier.to, barrier.ownership, memory));
 

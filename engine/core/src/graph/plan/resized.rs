@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::lists::Lists;
 use super::outline::Outline;
 use super::place::place;
-use super::{Barriers, DeviceModel, Plan, choose, complete, segment, validate};
+use super::{Barriers, DeviceModel, Plan, choose, complete, plan_chosen, segment, validate};
 use crate::graph::description::{Description, ImageShape, Origin, Range, ResourceId, Shape, Version};
 use crate::graph::errors::GraphErrors;
 
@@ -18,10 +18,11 @@ pub struct Planned {
     kept: Option<Arc<Kept>>,
 }
 
-struct Kept {
-    outline: Arc<Outline>,
+/// What a plan's sizes had no part in, and whose memory passed to whom.
+pub(super) struct Kept {
+    pub(super) outline: Arc<Outline>,
     /// By resource: those whose memory it takes over.
-    earlier: Lists<ResourceId>,
+    pub(super) earlier: Lists<ResourceId>,
 }
 
 impl Planned {
@@ -33,14 +34,12 @@ impl Planned {
         if !description.checkpoints.is_empty() {
             return Ok(Self { plan: Arc::new(segment(description, 0, &[], device)?.plan), kept: None });
         }
-        let (outline, needs) = Outline::new(description, choose(description, device)?, device)?;
-        let mut placed = place(description, device, &needs, &outline.lifetimes);
-        let plan = complete(description, &outline, &mut placed);
-        Ok(Self::of(plan, Arc::new(outline), placed.earlier))
+        let (plan, kept) = plan_chosen(description, choose(description, device)?, device)?;
+        Ok(Self::of(plan, kept))
     }
 
-    fn of(plan: Plan, outline: Arc<Outline>, earlier: Lists<ResourceId>) -> Self {
-        Self { plan: Arc::new(plan), kept: Some(Arc::new(Kept { outline, earlier })) }
+    fn of(plan: Plan, kept: Kept) -> Self {
+        Self { plan: Arc::new(plan), kept: Some(Arc::new(kept)) }
     }
 
     /// With the fingerprint of the description that it is for.
@@ -71,7 +70,7 @@ impl Planned {
             complete(to, outline, &mut placed)
         };
         lengthen(&mut plan, &resized, to);
-        Some(Self::of(plan, outline.clone(), placed.earlier))
+        Some(Self::of(plan, Kept { outline: outline.clone(), earlier: placed.earlier }))
     }
 }
 

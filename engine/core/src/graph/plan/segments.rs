@@ -51,7 +51,7 @@ pub fn segment(
     events.retain(|node| live.get(node as usize).is_none_or(|live| *live));
     let dependencies = Dependencies::new(&events, description.passes.len() + description.roots.len());
     let chosen_here = Chosen { versions, live, culled, events, dependencies };
-    let mut plan = plan_chosen(&description, chosen_here, device)?;
+    let (mut plan, _) = plan_chosen(&description, chosen_here, device)?;
 
     // 3. What is alive over a checkpoint is made once, for the uses of all segments.
     let usages = usage::usages(whole, &chosen.live);

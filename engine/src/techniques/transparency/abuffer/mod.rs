@@ -23,9 +23,10 @@ use self::node::TEXEL;
 use self::resolve::SHORT;
 use self::scan::Scanned;
 use crate::Result;
-use crate::graph::{BufferHandle, Checkpoint, Data, Graph, ImageHandle};
+use crate::graph::{BufferHandle, Checkpoint, ComputePass, Data, Graph, ImageHandle};
 use crate::scene::View;
 use crate::shader::generated::blocks;
+use crate::shader::generated::transparency::abuffer::sort_comp;
 use crate::techniques::transparency::OrderIndependent;
 use crate::techniques::transparency::fragments::{Fragments, Step};
 
@@ -188,6 +189,16 @@ impl Built {
     /// What stands for links: arrays have none, and nobody reads them.
     fn links(&self) -> &ImageHandle {
         self.links.as_ref().unwrap_or(&self.ends)
+    }
+
+    /// What a pass over nodes of pixels reads: `nodes_read.glsl` and `work.glsl`.
+    fn bind(&self, pass: &mut ComputePass, format: NodeFormat) {
+        pass.read(sort_comp::NODES, &self.nodes)
+            .read(sort_comp::LINKS, self.links())
+            .read(sort_comp::TOTALS, &self.scanned.totals)
+            .read(sort_comp::WORK, &self.work)
+            .specialize(sort_comp::NODE_FORMAT, format.number())
+            .specialize(sort_comp::LINKED, self.linked);
     }
 }
 

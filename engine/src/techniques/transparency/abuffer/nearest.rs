@@ -54,15 +54,10 @@ impl ABuffer {
         let Nearest { layers, mut last } = nearest;
         let next = |(index, NearestLayer { color, distance })| {
             let mut pass = graph.compute(format!("{}.layer.{index}", built.name), &layer_comp::SHADER);
+            built.bind(&mut pass, self.format);
             pass.uniform(layer_comp::VIEWS, &ViewSet::from(*view).block())
                 .uniform_data(layer_comp::ABUFFER, built.frame)
-                .read(layer_comp::NODES, &built.nodes)
-                .read(layer_comp::LINKS, built.links())
-                .read(layer_comp::TOTALS, &built.scanned.totals)
-                .read(layer_comp::WORK, &built.work)
-                .specialize(layer_comp::NODE_FORMAT, self.format.number())
-                .specialize(layer_comp::NODE_UNIT, self.unit())
-                .specialize(layer_comp::LINKED, built.linked);
+                .specialize(layer_comp::NODE_UNIT, self.unit());
             last = last.take().map(|last| pass.write(layer_comp::LAST, last));
             let color = pass.write(layer_comp::COLOR, color);
             let distance = pass.write(layer_comp::DISTANCE_IMAGE, distance);

@@ -101,15 +101,10 @@ impl ABuffer {
         let groups = offset_of!(blocks::Totals, class_groups) as u64;
         for (class, slots) in [4, 8, SHORT].into_iter().enumerate() {
             let mut pass = graph.compute(format!("{}.resolve.{slots}", built.name), &resolve_comp::SHADER);
+            built.bind(&mut pass, self.format);
             pass.uniform_data(resolve_comp::ABUFFER, built.frame)
-                .read(resolve_comp::NODES, &built.nodes)
-                .read(resolve_comp::LINKS, built.links())
-                .read(resolve_comp::TOTALS, &built.scanned.totals)
-                .read(resolve_comp::WORK, &built.work)
                 .read(resolve_comp::ENDS, &built.ends)
-                .specialize(resolve_comp::NODE_FORMAT, self.format.number())
                 .specialize(resolve_comp::NODE_UNIT, self.unit())
-                .specialize(resolve_comp::LINKED, built.linked)
                 .specialize(resolve_comp::SLOTS, slots);
             color = pass.write(resolve_comp::COLOR, color);
             report = pass.write(resolve_comp::REPORT, report);
@@ -170,13 +165,8 @@ impl ABuffer {
             return sorted;
         }
         let mut pass = graph.compute(format!("{}.long.in_place", built.name), &long_in_place_comp::SHADER);
-        pass.read(long_in_place_comp::NODES, &built.nodes)
-            .read(long_in_place_comp::LINKS, built.links())
-            .read(long_in_place_comp::TOTALS, &built.scanned.totals)
-            .read(long_in_place_comp::WORK, &built.work)
-            .specialize(long_in_place_comp::NODE_FORMAT, self.format.number())
-            .specialize(long_in_place_comp::LONG_SORT, self.long_sort.number())
-            .specialize(long_in_place_comp::LINKED, built.linked);
+        built.bind(&mut pass, self.format);
+        pass.specialize(long_in_place_comp::LONG_SORT, self.long_sort.number());
         let sorted = pass.write(long_in_place_comp::SORTED, sorted);
         pass.dispatch_indirect(&built.scanned.totals, LONG_GROUPS);
         sorted
@@ -214,13 +204,8 @@ impl ABuffer {
     /// Nodes of long lists, side by side.
     fn flatten(&self, graph: &mut Graph, built: &Built, to: ImageHandle) -> ImageHandle {
         let mut pass = graph.compute(format!("{}.long.flatten", built.name), &long_flatten_comp::SHADER);
-        pass.read(long_flatten_comp::NODES, &built.nodes)
-            .read(long_flatten_comp::LINKS, built.links())
-            .read(long_flatten_comp::TOTALS, &built.scanned.totals)
-            .read(long_flatten_comp::WORK, &built.work)
-            .specialize(long_flatten_comp::NODE_FORMAT, self.format.number())
-            .specialize(long_flatten_comp::LONG_SORT, self.long_sort.number())
-            .specialize(long_flatten_comp::LINKED, true);
+        built.bind(&mut pass, self.format);
+        pass.specialize(long_flatten_comp::LONG_SORT, self.long_sort.number());
         let to = pass.write(long_flatten_comp::FLAT_NODES, to);
         pass.dispatch_indirect(&built.scanned.totals, LONG_GROUPS);
         to
@@ -229,14 +214,8 @@ impl ABuffer {
     /// How far the nearest layer is.
     fn front(&self, graph: &mut Graph, view: &View, built: &Built, front: ImageHandle) -> ImageHandle {
         let mut pass = graph.compute(format!("{}.front", built.name), &front_comp::SHADER);
-        pass.uniform(front_comp::VIEWS, &ViewSet::from(*view).block())
-            .uniform_data(front_comp::ABUFFER, built.frame)
-            .read(front_comp::NODES, &built.nodes)
-            .read(front_comp::LINKS, built.links())
-            .read(front_comp::TOTALS, &built.scanned.totals)
-            .read(front_comp::WORK, &built.work)
-            .specialize(front_comp::NODE_FORMAT, self.format.number())
-            .specialize(front_comp::LINKED, built.linked);
+        built.bind(&mut pass, self.format);
+        pass.uniform(front_comp::VIEWS, &ViewSet::from(*view).block()).uniform_data(front_comp::ABUFFER, built.frame);
         let front = pass.write(front_comp::FRONT, front);
         pass.dispatch_indirect(&built.scanned.totals, offset_of!(blocks::Totals, work_groups) as u64);
         front

@@ -84,12 +84,8 @@ impl ABuffer {
         let groups = offset_of!(blocks::Totals, class_groups) as u64;
         for (class, slots) in [4, 8, SHORT].into_iter().enumerate() {
             let mut pass = graph.compute(format!("{}.sort.{slots}", built.name), &sort_comp::SHADER);
-            pass.read(sort_comp::NODES, &built.nodes)
-                .read(sort_comp::LINKS, built.links())
-                .read(sort_comp::TOTALS, &built.scanned.totals)
-                .read(sort_comp::WORK, &built.work)
-                .specialize(sort_comp::NODE_FORMAT, self.format.number())
-                .specialize(sort_comp::SLOTS, slots);
+            built.bind(&mut pass, self.format);
+            pass.specialize(sort_comp::SLOTS, slots);
             sorted = pass.write(sort_comp::SORTED, sorted);
             pass.dispatch_indirect(&built.scanned.totals, groups + GROUPS * class as u64);
         }
