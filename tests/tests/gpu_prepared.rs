@@ -109,6 +109,34 @@ fn a_plan_found_again_has_the_mistakes_of_its_own_frame() {
     });
 }
 
+#[test]
+fn host_memory_of_captures_is_used_again_once_nobody_looks() {
+    isolated_device("host_memory_of_captures_is_used_again_once_nobody_looks", |gpu| {
+        let added = Cell::new(1);
+        let mut executor = Executor::new(gpu);
+        let mut frame = |capture: bool| {
+            let mut graph = Graph::new("frame", gpu.caps());
+            match capture {
+                true => describe(&mut graph, &added),
+                false => _ = graph.image("unused", SHAPE),
+            }
+            let plan = graph.compile(gpu).unwrap();
+            executor.execute(&plan, graph).unwrap()
+        };
+        let buffers = || gpu.live_objects().iter().filter(|object| object.contains("capture result")).count();
+        let held = frame(true);
+        drop(frame(true));
+        assert_eq!(buffers(), 2, "the first frame's capture is still held");
+        drop(frame(true));
+        assert_eq!(buffers(), 2, "the third frame reads back where the second did");
+        drop(held);
+        (0..4).for_each(|_| drop(frame(false)));
+        assert_eq!(buffers(), 1, "what the third frame used may still be wanted");
+        drop(frame(false));
+        assert_eq!(buffers(), 0, "nobody wanted it for five submissions");
+    });
+}
+
 /// Adds `added` to what the last frame left; a first frame finds 7. `mask` is a history that no frame but the first one
 /// writes, and each adds it.
 fn accumulate<'f>(graph: &mut Graph<'f>, added: &'f Cell<u32>) {

@@ -93,6 +93,11 @@ impl Buffer {
         self.0.id
     }
 
+    /// Whether this is its only handle, and what others did by theirs is over.
+    pub(crate) fn is_held_once(&mut self) -> bool {
+        Arc::get_mut(&mut self.0).is_some()
+    }
+
     /// The Vulkan handle.
     pub fn raw(&self) -> vk::Buffer {
         self.0.buffer

@@ -16,7 +16,7 @@ pub fn run(arguments: &BenchArguments, tell: &mut impl FnMut(Measurement) -> Res
     let folder = Folder::new()?;
     let warm = folder.0.join("warm");
     once(arguments, &folder.0, &warm)?;
-    for case in ["cold", "warm"] {
+    for case in ["cold", "warm"].into_iter().filter(|case| arguments.wants(case)) {
         let mut runs = Vec::new();
         for number in 0..arguments.runs {
             let cache = if case == "cold" { folder.0.join(format!("cold{number}")) } else { warm.clone() };

@@ -25,6 +25,9 @@ pub fn run(arguments: &BenchArguments, tell: &mut impl FnMut(Measurement) -> Res
     let measured = PASSES.iter().try_for_each(|&passes| {
         for shape in [Shape::Chain, Shape::Tree] {
             let case = format!("{} {passes}", shape.name());
+            if !arguments.wants(&case) {
+                continue;
+            }
             for (metric, value, unit) in measure(&gpu, shape, passes, arguments.runs as usize)? {
                 tell(Measurement { bench: "graph", case: case.clone(), metric: metric.into(), value, unit })?;
             }

@@ -48,6 +48,13 @@ pub fn run(arguments: &BenchArguments) -> Result<()> {
     Ok(())
 }
 
+impl BenchArguments {
+    /// Whether a case is asked for.
+    fn wants(&self, case: &str) -> bool {
+        case.contains(&self.case)
+    }
+}
+
 fn line(measurement: &Measurement, json: bool) -> Result<String> {
     if json {
         return serde_json::to_string(measurement).map_err(Failure::failed);

@@ -10,6 +10,7 @@ use shadowgraph::techniques::voxel::ray_marching::{RayMarching, Segment};
 use shadowgraph::techniques::voxel::{Grid, Occluders};
 
 use super::{Measurement, median};
+use crate::cli::BenchArguments;
 use crate::failure::Result;
 
 /// Voxels along an axis, and levels of the pyramid that are skipped by.
@@ -18,9 +19,18 @@ const CASES: [(u32, u32); 5] = [(64, u32::MAX), (256, u32::MAX), (256, 0), (1024
 const SEGMENTS: usize = 1 << 20;
 
 /// Every case.
-pub fn run(gpu: &Gpu, scene: &Scene, runs: usize, tell: &mut impl FnMut(Measurement) -> Result<()>) -> Result<()> {
-    let scene = scene.clone().upload(gpu)?;
+pub fn run(
+    gpu: &Gpu,
+    scene: &Scene,
+    arguments: &BenchArguments,
+    tell: &mut impl FnMut(Measurement) -> Result<()>,
+) -> Result<()> {
+    let (scene, runs) = (scene.clone().upload(gpu)?, arguments.runs);
     for (resolution, levels) in CASES {
+        let case = format!("rays, {resolution}{}", if levels == 0 { ", no pyramid" } else { "" });
+        if !arguments.wants(&case) {
+            continue;
+        }
         let grid = Grid::around(&scene.bounds, resolution)?;
         let segments = Segment::upload(gpu, &across(&grid))?;
         let mut executor = Executor::new(gpu);
@@ -44,10 +54,9 @@ pub fn run(gpu: &Gpu, scene: &Scene, runs: usize, tell: &mut impl FnMut(Measurem
             }
             blocked = executed.capture("blocked")?.texels::<u32>()?.iter().sum::<u32>().into();
         }
-        let skips = if levels == 0 { ", no pyramid" } else { "" };
         let told = |metric: &str, value, unit| Measurement {
             bench: "voxelize",
-            case: format!("rays, {resolution}{skips}"),
+            case: case.clone(),
             metric: metric.into(),
             value,
             unit,

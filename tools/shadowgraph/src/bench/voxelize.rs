@@ -108,9 +108,12 @@ pub fn run(arguments: &BenchArguments, tell: &mut impl FnMut(Measurement) -> Res
             _ => resolution <= MOST_WHOLE,
         };
         for (name, method) in METHODS.into_iter().filter(|&(_, method)| fits(method)) {
+            let case = format!("{name}, {triangles} triangles, {resolution}");
+            if !arguments.wants(&case) {
+                continue;
+            }
             let (time, set) = measure(&gpu, &scene, method, resolution, arguments.runs as usize)?;
             all.push((name, triangles, resolution, time));
-            let case = format!("{name}, {triangles} triangles, {resolution}");
             let told = |metric: &str, value, unit| Measurement {
                 bench: "voxelize",
                 case: case.clone(),
@@ -124,7 +127,7 @@ pub fn run(arguments: &BenchArguments, tell: &mut impl FnMut(Measurement) -> Res
         Ok(())
     });
     let measured = measured.and_then(|()| growth(&all, tell));
-    let measured = measured.and_then(|()| rays::run(&gpu, &sphere(264), arguments.runs as usize, tell));
+    let measured = measured.and_then(|()| rays::run(&gpu, &sphere(264), arguments, tell));
     let closed = session::close(gpu);
     measured.and(closed)
 }

@@ -17,7 +17,7 @@ const MAP: u32 = 2048;
 pub fn run(arguments: &BenchArguments, tell: &mut impl FnMut(Measurement) -> Result<()>) -> Result<()> {
     let capture = capture(arguments.size.0);
     let path = std::env::temp_dir().join(format!("shadowgraph-bench-{}.exr", std::process::id()));
-    for compression in Compression::ALL {
+    for compression in Compression::ALL.into_iter().filter(|compression| arguments.wants(compression.name())) {
         let mut times = Vec::new();
         for _ in 0..arguments.runs {
             let began = Instant::now();

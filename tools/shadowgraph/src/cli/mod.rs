@@ -259,11 +259,15 @@ Benchmarks:
 
 Examples:
   shadowgraph bench
-  shadowgraph bench capture --scene scene.glb --runs 9 --json")]
+  shadowgraph bench capture --scene scene.glb --runs 9 --json
+  shadowgraph bench voxelize --case \"bitmask, 69696 triangles\"")]
 pub struct BenchArguments {
     /// Which benchmark; all where there is none
     #[arg(value_enum)]
     pub name: Option<BenchName>,
+    /// Only cases that have this text in their names, as they are printed
+    #[arg(long, value_name = "TEXT", default_value = "", hide_default_value = true)]
+    pub case: String,
     /// Print one JSON object a line: {"bench","case","metric","value","unit"}
     #[arg(long)]
     pub json: bool,

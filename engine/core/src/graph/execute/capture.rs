@@ -23,13 +23,11 @@ pub struct Capture {
 
 impl Capture {
     /// With a host buffer for a root.
-    pub(super) fn new(gpu: &Gpu, description: &Description, root: &Root) -> Result<Self> {
+    pub(super) fn new(gpu: &Gpu, kept: &mut HostBuffers, description: &Description, root: &Root) -> Result<Self> {
         let version = &description.versions[root.version.0 as usize];
         let resource = &description.resources[version.resource.0 as usize];
         let (shape, mips, layer_sizes, size) = captured_layout(&resource.shape, version.range);
-        let name = format!("capture {}", root.name);
-        let usage = vk::BufferUsageFlags::TRANSFER_DST;
-        let buffer = gpu.create_buffer(&BufferInfo { name: &name, size, usage, memory: Memory::Readback })?;
+        let buffer = kept.buffer(gpu, &format!("capture {}", root.name), size)?;
         Ok(Self { name: root.name.clone(), shape, buffer, mips, layer_sizes })
     }
 
@@ -72,6 +70,40 @@ impl Capture {
         self.buffer.read_with(|bytes| bytes.get(first..end).map(look))?.ok_or_else(|| {
             Error::invalid(format!("layer {layer} of `{}`", self.name), "is not among the captured layers")
         })
+    }
+}
+
+/// Submissions after which a host buffer that none has used goes.
+const KEPT_SUBMISSIONS: u64 = 4;
+
+/// Buffers that captures are read back into, used again once nobody holds the capture: a system gives out memory slower
+/// than a device fills it.
+#[derive(Default)]
+pub(super) struct HostBuffers {
+    /// With the submission that used it last.
+    kept: Vec<(Buffer, u64)>,
+    submission: u64,
+}
+
+impl HostBuffers {
+    /// Begins a submission.
+    pub(super) fn begin(&mut self) {
+        self.submission += 1;
+        let submission = self.submission;
+        self.kept.retain(|&(_, last_used)| last_used + KEPT_SUBMISSIONS >= submission);
+    }
+
+    fn buffer(&mut self, gpu: &Gpu, name: &str, size: u64) -> Result<Buffer> {
+        for (buffer, last_used) in &mut self.kept {
+            if buffer.size() == size && buffer.name() == name && buffer.is_held_once() {
+                *last_used = self.submission;
+                return Ok(buffer.clone());
+            }
+        }
+        let usage = vk::BufferUsageFlags::TRANSFER_DST;
+        let buffer = gpu.create_buffer(&BufferInfo { name, size, usage, memory: Memory::Readback })?;
+        self.kept.push((buffer.clone(), self.submission));
+        Ok(buffer)
     }
 }
 

@@ -23,6 +23,7 @@ pub use queries::{Counts, PassCount};
 pub use ready::Prepared;
 pub use timer::PassTime;
 
+use self::capture::HostBuffers;
 use self::histories::{Histories, Turns};
 use self::plans::Plans;
 use self::ready::{Phase, Task};
@@ -48,6 +49,7 @@ pub struct Executor<'g> {
     /// What the host gave the last frame's shaders: the next one's bytes go there, and sets that point at it stay.
     arena: Option<Buffer>,
     transients: Transients,
+    host_buffers: HostBuffers,
     histories: Histories,
     plans: Plans,
     serialize: bool,
@@ -127,6 +129,7 @@ impl<'g> Executor<'g> {
             descriptors: None,
             arena: None,
             transients: Transients::default(),
+            host_buffers: HostBuffers::default(),
             histories: Histories::default(),
             plans: Plans::default(),
             serialize: false,
@@ -342,8 +345,9 @@ impl<'g> Executor<'g> {
     }
 
     /// A host buffer for each root that is read back.
-    fn capture_buffers(&self, description: &Description) -> Result<Vec<Option<Capture>>> {
-        let capture = |root| Capture::new(self.gpu, description, root);
+    fn capture_buffers(&mut self, description: &Description) -> Result<Vec<Option<Capture>>> {
+        self.host_buffers.begin();
+        let mut capture = |root| Capture::new(self.gpu, &mut self.host_buffers, description, root);
         description.roots.iter().map(|root| root.read_back.then(|| capture(root)).transpose()).collect()
     }
 }

@@ -92,63 +92,81 @@ struct Times {
 /// through the logarithms.
 pub fn run(arguments: &BenchArguments, tell: &mut impl FnMut(Measurement) -> Result<()>) -> Result<()> {
     let gpu = session::open(&DeviceArguments::default())?;
-    let measured = measure_all(&gpu, arguments.runs, tell);
+    let measured = measure_all(&gpu, arguments, tell);
     let closed = session::close(gpu);
     measured.and(closed)
 }
 
-fn measure_all(gpu: &Gpu, runs: u32, tell: &mut impl FnMut(Measurement) -> Result<()>) -> Result<()> {
+fn measure_all(gpu: &Gpu, arguments: &BenchArguments, tell: &mut impl FnMut(Measurement) -> Result<()>) -> Result<()> {
     let mut growth = Vec::new();
     for layers in LAYERS {
-        let whole = measure(gpu, Layers::constant([256, 256], layers), &format!("256x256x{layers}"), runs, tell)?;
+        let case = format!("256x256x{layers}");
+        let whole = measure(gpu, Layers::constant([256, 256], layers), &case, arguments, tell)?;
         if COMPARED.contains(&layers) {
-            compare(gpu, [256, 256], layers, runs, tell)?;
+            compare(gpu, [256, 256], layers, arguments, tell)?;
         }
-        growth.extend((4..=128).contains(&layers).then_some((f64::from(layers), whole)));
+        growth.extend(whole.filter(|_| (4..=128).contains(&layers)).map(|whole| (f64::from(layers), whole)));
     }
-    tell(figure("arrays".into(), "growth by layers, 4 to 128", slope(&growth), "slope"))?;
+    if let Some(slope) = slope(&growth) {
+        tell(figure("arrays".into(), "growth by layers, 4 to 128", slope, "slope"))?;
+    }
     let mut growth = Vec::new();
     for side in SIDES {
-        let whole = measure(gpu, Layers::constant([side, side], 8), &format!("{side}x{side}x8"), runs, tell)?;
-        growth.push((f64::from(side * side), whole));
+        let case = format!("{side}x{side}x8");
+        let whole = measure(gpu, Layers::constant([side, side], 8), &case, arguments, tell)?;
+        growth.extend(whole.map(|whole| (f64::from(side * side), whole)));
     }
-    tell(figure("arrays".into(), "growth by pixels, 8 layers", slope(&growth), "slope"))?;
+    if let Some(slope) = slope(&growth) {
+        tell(figure("arrays".into(), "growth by pixels, 8 layers", slope, "slope"))?;
+    }
     for (name, lengths) in LENGTHS {
-        measure(gpu, Layers { size: [256, 256], lengths }, &format!("256x256, {name}"), runs, tell)?;
+        measure(gpu, Layers { size: [256, 256], lengths }, &format!("256x256, {name}"), arguments, tell)?;
     }
-    LONG.into_iter().try_for_each(|length| sorts(gpu, length, runs, tell))
+    LONG.into_iter().try_for_each(|length| sorts(gpu, length, arguments, tell))
 }
 
 /// Tells what sorting and compositing of long lists takes in each way.
-fn sorts(gpu: &Gpu, length: u32, runs: u32, tell: &mut impl FnMut(Measurement) -> Result<()>) -> Result<()> {
+fn sorts(
+    gpu: &Gpu,
+    length: u32,
+    arguments: &BenchArguments,
+    tell: &mut impl FnMut(Measurement) -> Result<()>,
+) -> Result<()> {
+    let case = |name: &str| format!("sort by {name}, {length}");
+    if !LONG_SORTS.iter().any(|(name, _)| arguments.wants(&case(name))) {
+        return Ok(());
+    }
     let layers = Layers::constant([128, 128], length);
-    let times = best(gpu, LONG_SORTS.map(|(_, sort)| Kind::Sorted(sort)), layers, runs)?;
+    let times = best(gpu, LONG_SORTS.map(|(_, sort)| Kind::Sorted(sort)), layers, arguments.runs)?;
     for ((name, _), own) in LONG_SORTS.into_iter().zip(times) {
-        let case = format!("sort by {name}, {length}");
+        let case = case(name);
         tell(figure(case.clone(), "sort, composite", own.sort * 1e9 / layers.fragments(), "ns/fragment"))?;
         tell(figure(case, "to blocks", own.sort / times[0].sort.max(1e-9), "times"))?;
     }
     Ok(())
 }
 
-/// Tells the figures, and gives the seconds that arrays take in all.
+/// Tells the figures of a case that is asked for, and gives the seconds that arrays take in all.
 fn measure(
     gpu: &Gpu,
     layers: Layers,
     case: &str,
-    runs: u32,
+    arguments: &BenchArguments,
     tell: &mut impl FnMut(Measurement) -> Result<()>,
-) -> Result<f64> {
+) -> Result<Option<f64>> {
+    let case = |kind: &str| format!("{kind} {case}");
+    if !["blend", "arrays", "lists", "subgroup lists"].iter().any(|kind| arguments.wants(&case(kind))) {
+        return Ok(None);
+    }
     // Each node is written and read once, and so is the colour of each pixel that has some.
     let least = 2.0 * (NODE_BYTES * layers.fragments() + COLOR_BYTES * layers.pixels());
     let [nothing, blend, arrays, lists] = KINDS;
     let kinds = [nothing, blend, arrays, lists, Kind::SubgroupLists, Kind::Filled(least as u64)];
-    let [nothing, blend, arrays, lists, subgroup_lists, filled] = best(gpu, kinds, layers, runs)?;
+    let [nothing, blend, arrays, lists, subgroup_lists, filled] = best(gpu, kinds, layers, arguments.runs)?;
     let filling = (filled.whole - nothing.whole).max(1e-9);
     let fragments = layers.fragments();
     let nanoseconds = |seconds: f64| seconds * 1e9 / fragments;
     let blending = (blend.whole - nothing.whole).max(1e-9);
-    let case = |kind: &str| format!("{kind} {case}");
     tell(figure(case("blend"), "whole", nanoseconds(blending), "ns/fragment"))?;
     for (kind, times) in [("arrays", arrays), ("lists", lists), ("subgroup lists", subgroup_lists)] {
         let whole = times.whole - nothing.whole;
@@ -160,7 +178,7 @@ fn measure(
         tell(figure(case(kind), "memory", times.memory as f64 / fragments, "bytes/fragment"))?;
         tell(figure(case(kind), "memory to the least bytes", times.memory as f64 / (least / 2.0), "times"))?;
     }
-    Ok(arrays.whole - nothing.whole)
+    Ok(Some(arrays.whole - nothing.whole))
 }
 
 /// Tells what the other techniques take of the same fragments, and the A-buffer beside them.
@@ -168,15 +186,18 @@ fn compare(
     gpu: &Gpu,
     size: [u32; 2],
     layers: u32,
-    runs: u32,
+    arguments: &BenchArguments,
     tell: &mut impl FnMut(Measurement) -> Result<()>,
 ) -> Result<()> {
     let fragments = f64::from(size[0]) * f64::from(size[1]) * f64::from(layers);
     for (other, (name, _)) in OTHERS.into_iter().enumerate() {
-        let kinds = [Kind::Nothing, Kind::Arrays, Kind::Other(other)];
-        let whole = best(gpu, kinds, Layers::constant(size, layers), runs)?.map(|times| times.whole);
-        let [arrays, other] = [whole[1], whole[2]].map(|seconds| (seconds - whole[0]).max(1e-9));
         let case = format!("{name} {}x{}x{layers}", size[0], size[1]);
+        if !arguments.wants(&case) {
+            continue;
+        }
+        let kinds = [Kind::Nothing, Kind::Arrays, Kind::Other(other)];
+        let whole = best(gpu, kinds, Layers::constant(size, layers), arguments.runs)?.map(|times| times.whole);
+        let [arrays, other] = [whole[1], whole[2]].map(|seconds| (seconds - whole[0]).max(1e-9));
         tell(figure(case.clone(), "whole", other * 1e9 / fragments, "ns/fragment"))?;
         tell(figure(case, "arrays to it", arrays / other, "times"))?;
     }
@@ -205,13 +226,13 @@ fn figure(case: String, metric: &str, value: f64, unit: &'static str) -> Measure
 }
 
 /// Slope of the straight line nearest to the points' logarithms.
-fn slope(points: &[(f64, f64)]) -> f64 {
+fn slope(points: &[(f64, f64)]) -> Option<f64> {
     let logarithms: Vec<_> = points.iter().map(|(x, y)| (x.ln(), y.max(1e-9).ln())).collect();
     let count = logarithms.len().max(1) as f64;
     let mean_x = logarithms.iter().map(|(x, _)| x).sum::<f64>() / count;
     let mean_y = logarithms.iter().map(|(_, y)| y).sum::<f64>() / count;
     let across: f64 = logarithms.iter().map(|(x, y)| (x - mean_x) * (y - mean_y)).sum();
-    across / logarithms.iter().map(|(x, _)| (x - mean_x).powi(2)).sum::<f64>().max(1e-12)
+    (points.len() > 1).then(|| across / logarithms.iter().map(|(x, _)| (x - mean_x).powi(2)).sum::<f64>().max(1e-12))
 }
 
 /// Runs a frame of one kind.
