@@ -1,11 +1,11 @@
 // Vertex stage of everything that shades a surface.
 #include "common/view_index.glsl"
 #include "common/views.glsl"
-#include "common/instances.glsl"
 
 #ifdef PULL_VERTICES
 // Vertices fetched by hand, without an index buffer, so that the vertex shader knows its triangle: a fragment shader's
 // gl_PrimitiveID asks for geometry shaders, which not every device has.
+#include "common/instances.glsl"
 #include "common/pulled_vertices.glsl"
 
 layout(set = 0, binding = 17, scalar) readonly buffer Indices {
@@ -16,6 +16,14 @@ layout(set = 0, binding = 18, scalar) readonly buffer Positions {
 };
 layout(location = 6) flat out uint out_primitive;
 #else
+#include "common/instance_transform.glsl"
+
+layout(location = 9) in vec3 normal_x_from_object; // rows
+layout(location = 10) in vec3 normal_y_from_object;
+layout(location = 11) in vec3 normal_z_from_object;
+layout(location = 12) in float handedness;
+layout(location = 13) in uvec4 numbers; // object, material, first primitive, first blended triangle
+
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec2 uv0;
 layout(location = 2) in vec2 uv1;
@@ -37,8 +45,8 @@ layout(location = 7) flat out uint out_first_triangle;
 invariant gl_Position;
 
 void main() {
-    Instance instance = instances[gl_InstanceIndex];
 #ifdef PULL_VERTICES
+    Instance instance = instances[gl_InstanceIndex];
     uint vertex = indices[gl_VertexIndex] + instance.vertex_offset;
     vec3 position = positions[vertex];
     vec2 uv0 = alpha_vertices[vertex].uv0;
@@ -47,8 +55,13 @@ void main() {
     vec3 normal = shading_vertices[vertex].normal;
     vec4 tangent = shading_vertices[vertex].tangent;
     out_primitive = (uint(gl_VertexIndex) - instance.first_index) / 3u;
+#else
+    vec3 normal_from_object[] = vec3[](normal_x_from_object, normal_y_from_object, normal_z_from_object);
+    Instance instance = Instance(
+        world_from_object(), normal_from_object, handedness, numbers.x, numbers.y, numbers.z, numbers.w, 0u, 0
+    );
 #endif
-    vec3 world = transform_point(instances[gl_InstanceIndex], position);
+    vec3 world = transform_point(instance.world_from_object, position);
     gl_Position = views[VIEW_INDEX].clip_from_world * vec4(world, 1.0);
     out_position = world;
     out_normal = transform_normal(instance, normal);

@@ -3,7 +3,7 @@
 // the triangle, which for a steep one is far off. Depth takes no part in clipping: what lies before or behind the grid
 // must reach the fragment shader too, or columns would lose a crossing.
 #include "common/voxels.glsl"
-#include "common/instances.glsl"
+#include "common/instance_transform.glsl"
 
 layout(constant_id = 0) const uint SUBPIXELS = 256u; // places a pixel that the rasteriser knows
 
@@ -13,7 +13,7 @@ layout(location = 0) out float out_depth; // voxels
 
 // Where the vertex lies across the columns.
 vec2 snapped_column() {
-    vec3 p = column_coordinates(transform_point(instances[gl_InstanceIndex], position));
+    vec3 p = column_coordinates(transform_point(world_from_object(), position));
     out_depth = p.z;
     return round(p.xy * float(SUBPIXELS)) / float(SUBPIXELS);
 }

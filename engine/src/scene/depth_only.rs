@@ -112,7 +112,6 @@ impl GpuScene {
 
         let mut pass: RasterPass = graph.raster(name, programs);
         pass.uniform(shaders::opaque_vert::VIEWS, &views.block());
-        pass.constant(shaders::opaque_vert::INSTANCES, &self.instances);
         if expansion == Expansion::Multiview {
             pass.views(views.views().len() as u32);
         }

@@ -1,6 +1,7 @@
 //! Draw lists: what to draw, in buckets of equal state.
 
 use std::collections::BTreeSet;
+use std::mem::offset_of;
 use std::ops::Range;
 
 use ash::vk;
@@ -10,6 +11,7 @@ use super::{AlphaMode, GpuScene, Material};
 use crate::geometry::{Aabb, Frustum};
 use crate::gpu::{VertexAttribute, VertexBuffer};
 use crate::graph::{RasterPass, Recorder};
+use crate::shader::generated::blocks::Instance;
 use crate::shader::generated::surface::gbuffer::gbuffer_pulled_vert as pulled;
 
 /// What a material asks of a pass.
@@ -134,38 +136,59 @@ impl DrawList {
     }
 }
 
+const FLOAT3: vk::Format = vk::Format::R32G32B32_SFLOAT;
+const FLOAT4: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+
+const fn attribute(location: u32, format: vk::Format, offset: usize) -> VertexAttribute {
+    VertexAttribute { location, format, offset: offset as u32 }
+}
+
+const fn per_instance(attributes: &'static [VertexAttribute]) -> VertexBuffer<'static> {
+    VertexBuffer { stride: size_of::<Instance>() as u32, per_instance: true, attributes }
+}
+
+/// What `common/instance_transform.glsl` reads.
+const TRANSFORM: [VertexAttribute; 3] = {
+    let rows = offset_of!(Instance, world_from_object);
+    [attribute(6, FLOAT4, rows), attribute(7, FLOAT4, rows + 16), attribute(8, FLOAT4, rows + 32)]
+};
+
+/// What `common/surface_vertex.glsl` reads of an instance.
+const INSTANCE: [VertexAttribute; 8] = {
+    let [x, y, z] = TRANSFORM;
+    let normals = offset_of!(Instance, normal_from_object);
+    let [normal_x, normal_y, normal_z] =
+        [attribute(9, FLOAT3, normals), attribute(10, FLOAT3, normals + 12), attribute(11, FLOAT3, normals + 24)];
+    let handedness = attribute(12, vk::Format::R32_SFLOAT, offset_of!(Instance, handedness));
+    let numbers = attribute(13, vk::Format::R32G32B32A32_UINT, offset_of!(Instance, object));
+    [x, y, z, normal_x, normal_y, normal_z, handedness, numbers]
+};
+
+const POSITION: VertexBuffer<'static> =
+    VertexBuffer { stride: 12, per_instance: false, attributes: &[attribute(0, FLOAT3, 0)] };
+
 /// Vertex buffers of a pass that needs positions alone.
-pub const POSITIONS: &[VertexBuffer<'static>] = &[VertexBuffer {
-    stride: 12,
-    per_instance: false,
-    attributes: &[VertexAttribute { location: 0, format: vk::Format::R32G32B32_SFLOAT, offset: 0 }],
-}];
+pub const POSITIONS: &[VertexBuffer<'static>] = &[per_instance(&TRANSFORM), POSITION];
 
 const ALPHA: VertexBuffer<'static> = VertexBuffer {
     stride: 32,
     per_instance: false,
     attributes: &[
-        VertexAttribute { location: 1, format: vk::Format::R32G32_SFLOAT, offset: 0 },
-        VertexAttribute { location: 2, format: vk::Format::R32G32_SFLOAT, offset: 8 },
-        VertexAttribute { location: 3, format: vk::Format::R32G32B32A32_SFLOAT, offset: 16 },
+        attribute(1, vk::Format::R32G32_SFLOAT, 0),
+        attribute(2, vk::Format::R32G32_SFLOAT, 8),
+        attribute(3, FLOAT4, 16),
     ],
 };
 
 /// Vertex buffers of a pass that tests alpha.
-pub const ALPHA_TESTED: &[VertexBuffer<'static>] = &[POSITIONS[0], ALPHA];
+pub const ALPHA_TESTED: &[VertexBuffer<'static>] = &[per_instance(&TRANSFORM), POSITION, ALPHA];
 
 /// Vertex buffers of a pass that shades.
 pub const SHADED: &[VertexBuffer<'static>] = &[
-    POSITIONS[0],
+    per_instance(&INSTANCE),
+    POSITION,
     ALPHA,
-    VertexBuffer {
-        stride: 28,
-        per_instance: false,
-        attributes: &[
-            VertexAttribute { location: 4, format: vk::Format::R32G32B32_SFLOAT, offset: 0 },
-            VertexAttribute { location: 5, format: vk::Format::R32G32B32A32_SFLOAT, offset: 12 },
-        ],
-    },
+    VertexBuffer { stride: 28, per_instance: false, attributes: &[attribute(4, FLOAT3, 0), attribute(5, FLOAT4, 12)] },
 ];
 
 impl GpuScene {
@@ -177,7 +200,7 @@ impl GpuScene {
     /// Records draws with the recorder's current program.
     pub fn draw(&self, recorder: &mut Recorder, faces: Faces, draws: &[Draw]) {
         recorder.index_buffer(&self.indices);
-        recorder.vertex_buffers(&[&self.positions, &self.alpha_attributes, &self.shading_attributes]);
+        recorder.vertex_buffers(&[&self.instances, &self.positions, &self.alpha_attributes, &self.shading_attributes]);
         for draw in draws {
             self.state(recorder, faces, draw);
             recorder.draw_indexed(draw.indices.clone(), draw.vertex_offset, draw.instances.clone());
@@ -207,7 +230,8 @@ impl GpuScene {
 
     /// What a vertex shader of `common/surface_vertex.glsl` reads that pulls its vertices.
     pub fn bind_pulled(&self, pass: &mut RasterPass) {
-        pass.constant(pulled::INDICES, &self.indices)
+        pass.constant(pulled::INSTANCES, &self.instances)
+            .constant(pulled::INDICES, &self.indices)
             .constant(pulled::POSITIONS, &self.positions)
             .constant(pulled::ALPHA_VERTICES, &self.alpha_attributes)
             .constant(pulled::SHADING_VERTICES, &self.shading_attributes);

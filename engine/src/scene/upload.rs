@@ -86,7 +86,7 @@ impl Scene {
 
         // 2. Instances in the order of the draws.
         let (draws, instances) = draws_and_instances(&self, &geometry);
-        let instances = buffer(gpu, &mut uploader, "scene.instances", vk::BufferUsageFlags::empty(), &instances)?;
+        let instances = buffer(gpu, &mut uploader, "scene.instances", vertex, &instances)?;
 
         // 3. Materials and their textures.
         let stride = (size_of::<blocks::Material>() as u64)
@@ -288,9 +288,9 @@ fn instance_record(
         object: object as u32 + 1,
         material: material as u32,
         first_primitive: first_primitive as u32,
+        first_blended: 0,
         first_index,
         vertex_offset,
-        first_blended: 0,
     }
 }
 

@@ -1,7 +1,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #include "common/view_index.glsl"
 #include "common/views.glsl"
-#include "common/instances.glsl"
+#include "common/instance_transform.glsl"
 
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec2 uv0;
@@ -14,7 +14,7 @@ layout(location = 1) out float out_alpha;
 invariant gl_Position;
 
 void main() {
-    vec3 world = transform_point(instances[gl_InstanceIndex], position);
+    vec3 world = transform_point(world_from_object(), position);
     gl_Position = views[VIEW_INDEX].clip_from_world * vec4(world, 1.0);
 #ifdef LAYERED
     gl_Layer = int(VIEW_INDEX);

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #include "common/voxels.glsl"
-#include "common/instances.glsl"
+#include "common/instance_transform.glsl"
 
 // Looks along a camera's lines of sight: a pixel is a column. As in common/voxel_columns.glsl, vertices are put where the
 // rasteriser would snap them, and what lies beyond the voxels is drawn too. What lies before them is cut off: it marks no
@@ -22,7 +22,7 @@ layout(location = 0) in vec3 position;
 layout(location = 0) out float out_depth; // slices
 
 void main() {
-    vec4 world = vec4(transform_point(instances[gl_InstanceIndex], position), 1.0);
+    vec4 world = vec4(transform_point(world_from_object(), position), 1.0);
     vec2 p = vec2(dot(clip_x, world), dot(clip_y, world));
     float w = dot(clip_w, world);
     if (w >= nearest) {

@@ -69,7 +69,7 @@ impl<'f> Fragments<'f> for Casters<'f> {
     }
 
     fn bind(&self, pass: &mut RasterPass<'_, 'f>, step: Step) {
-        pass.uniform(count_vert::VIEWS, &self.row.block()).constant(count_vert::INSTANCES, &self.scene.instances);
+        pass.uniform(count_vert::VIEWS, &self.row.block());
         if self.pull_vertices && step == Step::Arrays {
             self.scene.bind_pulled(pass);
         }

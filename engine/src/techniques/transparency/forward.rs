@@ -60,7 +60,6 @@ impl ForwardLights<'_> {
     /// Binds what `forward.glsl` and the vertex shader before it read.
     pub(super) fn bind(&self, pass: &mut RasterPass, scene: &GpuScene, views: &ViewSet) {
         pass.uniform(vertex::VIEWS, &views.block())
-            .constant(vertex::INSTANCES, &scene.instances)
             .uniform(fragment::LIGHTS, self.lights)
             .uniform(fragment::ENVIRONMENT, &blocks::Environment { radiance: self.environment });
         // Dummies keep the bindings of a technique that is off filled: no light refers to them.

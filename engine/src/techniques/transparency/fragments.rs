@@ -208,7 +208,7 @@ impl<'f> Fragments<'f> for Blended<'_, 'f> {
         match step.needs() {
             Needs::Shading => self.lights.bind(pass, self.scene, &views),
             _ => {
-                pass.uniform(count_vert::VIEWS, &views.block()).constant(count_vert::INSTANCES, &self.scene.instances);
+                pass.uniform(count_vert::VIEWS, &views.block());
             }
         }
         if self.pull_vertices && step.needs() != Needs::Positions {

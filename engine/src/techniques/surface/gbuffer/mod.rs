@@ -88,9 +88,7 @@ impl GBuffer {
         let program = program.depth(vk::CompareOp::EQUAL, false).set_layout(1, &scene.material_layout);
         let one_each = texture_sets.iter().map(|&set| program.clone().constant(gbuffer_frag::TEXTURES, set));
         let mut pass = graph.raster("gbuffer", one_each.collect());
-        pass.uniform(gbuffer_vert::VIEWS, &views.block())
-            .constant(gbuffer_vert::INSTANCES, &scene.instances)
-            .depth_test(&depth);
+        pass.uniform(gbuffer_vert::VIEWS, &views.block()).depth_test(&depth);
         if pull {
             scene.bind_pulled(&mut pass);
         }

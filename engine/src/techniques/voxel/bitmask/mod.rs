@@ -150,8 +150,8 @@ impl Columns<'_> {
         columns::program(caps, vertex, fragment).constant(flip_bit_frag::SURFACE, fill == Fill::Surface)
     }
 
-    fn bind(&self, pass: &mut RasterPass, scene: &GpuScene) {
-        columns::bind(pass, scene, &self.grid, self.axis);
+    fn bind(&self, pass: &mut RasterPass) {
+        pass.uniform(columns_vert::VOXEL_GRID, &self.grid.block(self.axis));
         if let Some(frustum) = self.frustum {
             pass.uniform(frustum_vert::FRUSTUM, &frustum.block());
         }
@@ -192,7 +192,7 @@ impl Columns<'_> {
         let operation = if fill == Fill::Surface { vk::LogicOp::OR } else { vk::LogicOp::XOR };
         let program = Program { logic_op: Some(operation), ..self.program(graph.caps(), shader, fill) };
         let mut pass = graph.raster(self.named(format_args!("bitmask.{first}")), vec![program]);
-        self.bind(&mut pass, scene);
+        self.bind(&mut pass);
         let attach = |(&slot, layer)| pass.color_uint(slot, layer, Load::Clear([0; 4]));
         let written = slots.iter().zip(layers).map(attach).collect();
         pass.draw(move |recorder| {
@@ -217,7 +217,7 @@ impl Columns<'_> {
         let program = self.program(graph.caps(), fragment, fill);
         let mut pass = graph.raster(self.named("bitmask"), vec![program]);
         pass.area([width, height]);
-        self.bind(&mut pass, scene);
+        self.bind(&mut pass);
         let bits = pass.write(flip_bit_frag::BITS, bits);
         draw(pass, scene);
         bits

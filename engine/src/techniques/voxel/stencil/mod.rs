@@ -135,7 +135,7 @@ impl Stencil {
         let [width, height, _] = slab.grid.columns(slab.axis);
         if slab.slices != Slices::Separate {
             let mut pass = graph.raster(self.axis.named(format_args!("stencil.{first}")), vec![program]);
-            columns::bind(&mut pass, scene, &slab.grid, slab.axis);
+            pass.uniform(slice_vert::VOXEL_GRID, &slab.grid.block(slab.axis));
             let stencil = pass.stencil(stencil, Load::Clear(0));
             draw(pass, scene, [width, height], (first..end).map(|slice| slab.push(slice, slice - first)).collect());
             return stencil;
@@ -148,7 +148,7 @@ impl Stencil {
                 return part;
             }
             let mut pass = graph.raster(self.axis.named(format_args!("stencil.{slice}")), vec![program.clone()]);
-            columns::bind(&mut pass, scene, &slab.grid, slab.axis);
+            pass.uniform(slice_vert::VOXEL_GRID, &slab.grid.block(slab.axis));
             let part = pass.stencil(part, Load::Clear(0));
             draw(pass, scene, [width, height], vec![slab.push(slice, 0)]);
             part

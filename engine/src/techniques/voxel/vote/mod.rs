@@ -83,7 +83,7 @@ fn cross<'f>(graph: &mut Graph<'f>, scene: &'f GpuScene, grid: &Grid, axis: Axis
     let program = columns::program(graph.caps(), &columns_vert::SHADER, &cross_frag::SHADER);
     let mut pass = graph.raster(axis.named("vote.cross"), vec![program]);
     pass.area([width, height]);
-    columns::bind(&mut pass, scene, grid, axis);
+    pass.uniform(columns_vert::VOXEL_GRID, &grid.block(axis));
     let crossings = pass.write(cross_frag::CROSSINGS, crossings);
     pass.draw(move |recorder| {
         scene.draw(recorder, Faces::Both, scene.draws.draws());

@@ -44,7 +44,7 @@ impl Winding {
             let program = columns::program(graph.caps(), &columns_vert::SHADER, &count_frag::SHADER);
             let mut pass = graph.raster(axis.named(format_args!("winding.{first}")), vec![program]);
             pass.area([width, height]);
-            columns::bind(&mut pass, scene, &grid, axis);
+            pass.uniform(columns_vert::VOXEL_GRID, &grid.block(axis));
             counts = pass.write(count_frag::COUNTS, counts);
             bits = pass.write(count_frag::BITS, bits);
             pass.draw(move |recorder| {
