@@ -11,19 +11,19 @@ layout(push_constant, scalar) uniform VotePush {
     uvec3 size; // voxels along x, y, z
 };
 layout(set = 0, binding = 2, scalar) readonly buffer AlongX {
-    uint along_x[];
+    uint along_x[]; // turned
 };
 layout(set = 0, binding = 3, scalar) readonly buffer AlongY {
-    uint along_y[];
+    uint along_y[]; // turned
 };
 layout(set = 0, binding = 4, scalar) readonly buffer AlongZ {
     uint along_z[];
 };
-layout(set = 0, binding = 5, scalar) readonly buffer CrossingsX {
-    int crossings_x[];
+layout(set = 0, binding = 5, scalar) readonly buffer SoundX {
+    uint sound_x[];
 };
-layout(set = 0, binding = 6, scalar) readonly buffer CrossingsY {
-    int crossings_y[];
+layout(set = 0, binding = 6, scalar) readonly buffer SoundY {
+    uint sound_y[];
 };
 layout(set = 0, binding = 7, scalar) readonly buffer CrossingsZ {
     int crossings_z[];
@@ -32,31 +32,21 @@ layout(set = 0, binding = 8, scalar) writeonly buffer Bits {
     uint bits[];
 };
 
-// A sound column weighs more than two that leak.
-int votes(uint word, uint bit, int crossings) {
-    int weight = is_leak(crossings) ? 1 : 3;
-    return (word >> bit & 1u) != 0u ? weight : -weight;
-}
-
 void main() {
-    uvec3 place = gl_GlobalInvocationID;
+    uvec3 place = gl_GlobalInvocationID; // z in words
     if (any(greaterThanEqual(place.xy, size.xy)) || 32u * place.z >= size.z) {
         return;
     }
     uint index = (place.z * size.y + place.y) * size.x + place.x;
-    uint own = along_z[index];
-    int own_crossings = crossings_z[place.y * size.x + place.x];
-    uint end = min(32u, size.z - 32u * place.z);
-    uint inside = 0u;
-    for (uint bit = 0u; bit < end; ++bit) {
-        uint z = 32u * place.z + bit;
-        // Columns along x stand at (y, z), those along y at (z, x).
-        uint x_column = z * size.y + place.y;
-        uint y_column = place.x * size.z + z;
-        int sum = votes(own, bit, own_crossings);
-        sum += votes(along_x[place.x / 32u * size.z * size.y + x_column], place.x % 32u, crossings_x[x_column]);
-        sum += votes(along_y[place.y / 32u * size.x * size.z + y_column], place.y % 32u, crossings_y[y_column]);
-        inside |= uint(sum > 0) << bit;
-    }
-    bits[index] = inside;
+    uint x = along_x[index];
+    uint y = along_y[index];
+    uint z = along_z[index];
+    uint x_is_sound = sound_x[place.z * size.y + place.y];
+    uint y_is_sound = sound_y[place.z * size.x + place.x];
+    uint z_is_sound = is_leak(crossings_z[place.y * size.x + place.x]) ? 0u : 0xffffffffu;
+    // Of two sound columns at odds, the third one makes the majority.
+    uint majority = x & y | y & z | z & x;
+    uint one_is_sound = (x_is_sound ^ y_is_sound ^ z_is_sound) & ~(x_is_sound & y_is_sound & z_is_sound);
+    uint its_vote = x & x_is_sound | y & y_is_sound | z & z_is_sound;
+    bits[index] = one_is_sound & its_vote | ~one_is_sound & majority;
 }

@@ -7,7 +7,7 @@ use super::{Axis, FillRule, Grid, VoxelBits, columns};
 use crate::graph::{BufferHandle, Graph};
 use crate::scene::{Faces, GpuScene};
 use crate::shader::generated::blocks;
-use crate::shader::generated::voxel::vote::{columns_vert, count_comp, cross_frag, vote_comp};
+use crate::shader::generated::voxel::vote::{columns_vert, count_comp, cross_frag, sound_comp, turn_comp, vote_comp};
 use crate::{Error, Result};
 
 /// Says which columns leak, and lets those along three axes vote on what is inside.
@@ -58,21 +58,66 @@ impl Vote {
             let why = "it takes one grid's voxels along x, y and z, in this order";
             return Err(Error::invalid("the vote on voxels", why));
         }
-        let bits = VoxelBits::new(graph, "voxel.voted", &z.grid, Axis::Z)?;
+        // 1. Words of all columns along z: columns along x stand at (y, z), those along y at (z, x).
         let [width, height, depth] = z.grid.size();
+        let turned_x = blocks::TurnPush {
+            size: [width, height, depth],
+            from: [height * depth, 1, height],
+            to: [1, width, width * height],
+        };
+        let turned_y = blocks::TurnPush {
+            size: [height, width, depth],
+            from: [width * depth, depth, 1],
+            to: [width, 1, width * height],
+        };
+        let along_x = turn(graph, x, turned_x)?;
+        let along_y = turn(graph, y, turned_y)?;
+        let sound_x = blocks::SoundPush { size: [height, depth], from: [1, height] };
+        let sound_y = blocks::SoundPush { size: [width, depth], from: [depth, 1] };
+        let sound_x = self.sound(graph, Axis::X, leaks, sound_x);
+        let sound_y = self.sound(graph, Axis::Y, leaks, sound_y);
+
+        // 2. The vote.
+        let bits = VoxelBits::new(graph, "voxel.voted", &z.grid, Axis::Z)?;
         let mut pass = graph.compute("voxel.vote", &vote_comp::SHADER);
         pass.push(&blocks::VotePush { size: [width, height, depth] })
             .specialize(vote_comp::EVEN_ODD, self.rule == FillRule::EvenOdd)
-            .read(vote_comp::ALONG_X, &x.bits)
-            .read(vote_comp::ALONG_Y, &y.bits)
+            .read(vote_comp::ALONG_X, &along_x)
+            .read(vote_comp::ALONG_Y, &along_y)
             .read(vote_comp::ALONG_Z, &z.bits)
-            .read(vote_comp::CROSSINGS_X, &leaks.crossings[0])
-            .read(vote_comp::CROSSINGS_Y, &leaks.crossings[1])
+            .read(vote_comp::SOUND_X, &sound_x)
+            .read(vote_comp::SOUND_Y, &sound_y)
             .read(vote_comp::CROSSINGS_Z, &leaks.crossings[2]);
         let bits = VoxelBits { bits: pass.write(vote_comp::BITS, bits.bits), ..bits };
         pass.dispatch([width, height, depth.div_ceil(32)]);
         Ok(bits)
     }
+
+    /// Which columns along an axis do not leak, as bits along z.
+    fn sound(&self, graph: &mut Graph, axis: Axis, leaks: &Leaks, push: blocks::SoundPush) -> BufferHandle {
+        let [across, depth] = push.size;
+        let words = depth.div_ceil(32);
+        let sound = graph.buffer(axis.named("sound"), 4 * u64::from(across) * u64::from(words));
+        let mut pass = graph.compute(axis.named("vote.sound"), &sound_comp::SHADER);
+        pass.push(&push)
+            .specialize(sound_comp::EVEN_ODD, self.rule == FillRule::EvenOdd)
+            .read(sound_comp::CROSSINGS, &leaks.crossings[axis as usize]);
+        let sound = pass.write(sound_comp::SOUND, sound);
+        pass.dispatch([across, words, 1]);
+        sound
+    }
+}
+
+/// The words that a grid's columns along z would have.
+fn turn(graph: &mut Graph, voxels: &VoxelBits, push: blocks::TurnPush) -> Result<BufferHandle> {
+    let VoxelBits { axis, grid, .. } = voxels;
+    let turned = VoxelBits::new(graph, &axis.named("turned"), grid, Axis::Z)?;
+    let [along, across, depth] = push.size;
+    let mut pass = graph.compute(axis.named("vote.turn"), &turn_comp::SHADER);
+    pass.push(&push).read(turn_comp::COLUMNS, &voxels.bits);
+    let turned = pass.write(turn_comp::TURNED, turned.bits);
+    pass.dispatch([across, along.div_ceil(32), depth.div_ceil(32)]);
+    Ok(turned)
 }
 
 /// Counts the surfaces of each column along an axis.
