@@ -181,6 +181,34 @@ fn closed_surfaces_leak_nowhere_and_are_voted_as_they_are() {
 }
 
 #[test]
+fn sound_columns_at_odds_are_outvoted() {
+    // Two boxes without the sides that face each other: lines along x enter the one and leave the other, which is sound,
+    // and say that all between them is inside.
+    let side = |x: f32| Vec3::new(x, 0.0, 0.0);
+    let mut scene = tiny::one(
+        "two boxes",
+        vec![
+            (tiny::cuboid(side(-3.0) - Vec3::ONE, side(-3.0) + Vec3::ONE, 0), Mat4::IDENTITY),
+            (tiny::cuboid(side(3.0) - Vec3::ONE, side(3.0) + Vec3::ONE, 0), Mat4::IDENTITY),
+        ],
+    );
+    for (mesh, lost) in scene.meshes.iter_mut().zip([-2.0, 2.0]) {
+        let primitive = &mut mesh.primitives[0];
+        let positions = &primitive.positions;
+        let kept = |corners: &&[u32; 3]| corners.iter().any(|&corner| positions[corner as usize].x != lost);
+        primitive.indices = primitive.indices.as_chunks::<3>().0.iter().filter(kept).flatten().copied().collect();
+    }
+    let grid = Grid::around(&bounds(&scene), 40).unwrap();
+    let found = voxelize(shared(), &scene, &grid, FillRule::NonZero);
+    let middle = grid.size().map(|n| n / 2);
+    assert_eq!(found.leaks, [0; 3]);
+    assert!(found.along[0].get(middle) && !found.along[1].get(middle) && !found.along[2].get(middle));
+    assert!(!found.voted.get(middle));
+    assert_eq!(compare(&found, &scene, FillRule::NonZero)[2], 0);
+    silent(shared());
+}
+
+#[test]
 fn votes_on_other_grids_are_refused() {
     let gpu = shared();
     let scene = tiny::empty().upload(gpu).unwrap();
