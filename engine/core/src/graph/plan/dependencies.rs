@@ -111,8 +111,17 @@ impl Dependencies {
 
         // 2. By node, each once, for the first cell that asks for it.
         let mut after = Lists::new(nodes, edges.iter().copied());
-        (0..nodes).for_each(|node| after.of_mut(node).sort_unstable());
-        after.retain(|last, (to, _)| last.is_none_or(|(last, _)| last != to));
+        let mut doubled = false;
+        for node in 0..nodes {
+            let after = after.of_mut(node);
+            if after.len() > 1 {
+                after.sort_unstable();
+                doubled |= after.windows(2).any(|pair| pair[0].0 == pair[1].0);
+            }
+        }
+        if doubled {
+            after.retain(|last, (to, _)| last.is_none_or(|(last, _)| last != to));
+        }
         Self { after, forward }
     }
 

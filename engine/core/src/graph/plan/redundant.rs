@@ -17,6 +17,12 @@ fn is_strong(barrier: &MemoryBarrier) -> bool {
     barrier.from.mask != Mask::NONE || barrier.to.mask != Mask::NONE
 }
 
+/// Whether it is several stages, and no memory.
+fn is_set_of_stages(access: &Access) -> bool {
+    let stages = access.stages.as_raw();
+    access.mask.is_empty() && stages & stages.wrapping_sub(1) != 0
+}
+
 /// Takes out memory barriers that do less than another one of the same call; not those that only order, which are
 /// judged one by one.
 fn subsumed(barriers: &mut Vec<MemoryBarrier>) {
@@ -78,8 +84,12 @@ pub(super) struct Ordered<'a> {
     /// Images with barriers whose first stages are chained to semaphores, ascending.
     chained: &'a [ResourceId],
     done: Done,
+    /// What barriers ordered that nobody has asked about yet: stages, and the step. Most frames never ask.
+    unasked: Vec<(Set, Set, u32)>,
     /// The last barriers for all memory.
     for_all: VecDeque<ForAll>,
+    /// Stages that stand behind each of them.
+    behind_all: Set,
 }
 
 /// By two stages `b` and `a`, `d`: before any later work in `b` begins, `d - 1` steps, from the queue's first on, have all
@@ -90,6 +100,8 @@ struct Done {
     /// Rows as they were before the call of barriers looked at, of those that it changed.
     before: Table,
     changed: Set,
+    /// The step that this call stands before.
+    step: Option<u32>,
     /// Stages `a` that any barrier waited for yet.
     waited_for: Set,
 }
@@ -97,9 +109,11 @@ struct Done {
 type Table = [[u32; COUNT]; COUNT];
 
 impl Done {
-    /// Begins with another call of barriers.
-    fn begin(&mut self) {
-        self.changed = 0;
+    /// Comes to the call of barriers before a step.
+    fn at(&mut self, step: u32) {
+        if self.step.replace(step) != Some(step) {
+            self.changed = 0;
+        }
     }
 
     /// The row of a stage before this call.
@@ -144,9 +158,6 @@ impl Done {
     /// First stages without those that come before another one of them, which stays, up to the place `last`.
     fn unchained(&self, from: Stages, last: u32) -> Stages {
         let (mut left, mut stays) = (from, Stages::NONE);
-        if from.as_raw().is_power_of_two() {
-            return from;
-        }
         for stage in bits(from.as_raw()).map(Stages::from_raw) {
             let ordered = |other: &Stages| {
                 let behind = with_earlier(set(*other));
@@ -179,7 +190,8 @@ struct ForAll {
 
 impl<'a> Ordered<'a> {
     pub(super) fn new(chained: &'a [ResourceId]) -> Self {
-        Self { chained, done: Done::default(), for_all: VecDeque::new() }
+        let (done, unasked, for_all) = Default::default();
+        Self { chained, done, unasked, for_all, behind_all: !0 }
     }
 
     /// Takes out what follows from other barriers, and remembers what the rest orders. `step`: how many steps of the
@@ -187,20 +199,16 @@ impl<'a> Ordered<'a> {
     /// before the frame.
     pub(super) fn filter(&mut self, barriers: &mut Barriers, step: u32, last: impl Fn(Option<Work>) -> Option<u32>) {
         let Barriers { images, buffers, memory } = barriers;
-        self.done.begin();
 
         // 1. First stages that come before others of the same barrier anyway.
-        let unchain = |done: &Done, from: &mut Access, before: Option<Work>| {
-            if from.mask.is_empty()
-                && let Some(before) = last(before)
-            {
-                from.stages = done.unchained(from.stages, before);
+        for barrier in images.iter_mut().filter(|barrier| is_set_of_stages(&barrier.from)) {
+            if self.chained.binary_search(&barrier.resource).is_err() {
+                self.unchain(&mut barrier.from, last(barrier.reason.before), step);
             }
-        };
-        for barrier in images.iter_mut().filter(|barrier| self.chained.binary_search(&barrier.resource).is_err()) {
-            unchain(&self.done, &mut barrier.from, barrier.reason.before);
         }
-        buffers.iter_mut().for_each(|barrier| unchain(&self.done, &mut barrier.from, barrier.reason.before));
+        for barrier in buffers.iter_mut().filter(|barrier| is_set_of_stages(&barrier.from)) {
+            self.unchain(&mut barrier.from, last(barrier.reason.before), step);
+        }
 
         // 2. What earlier barriers for all memory made available and visible.
         images.iter_mut().filter(|barrier| barrier.from.layout != barrier.to.layout).for_each(|barrier| {
@@ -241,13 +249,13 @@ impl<'a> Ordered<'a> {
         memory.iter().filter(|barrier| is_strong(barrier)).for_each(|barrier| apply(&barrier.from, &barrier.to));
         for barrier in images.iter_mut().filter(|barrier| waits_alone(barrier)) {
             if barrier.ownership.is_none() && self.chained.binary_search(&barrier.resource).is_err() {
-                self.leave_missing(&mut barrier.from, &barrier.to, last(barrier.reason.before));
+                self.leave_missing(&mut barrier.from, &barrier.to, last(barrier.reason.before), step);
             }
             self.apply(barrier.from.stages, barrier.to.stages, step);
         }
         for barrier in buffers.iter_mut().filter(|barrier| barrier.from.mask.is_empty()) {
             if barrier.ownership.is_none() && self.chained.binary_search(&barrier.resource).is_err() {
-                self.leave_missing(&mut barrier.from, &barrier.to, last(barrier.reason.before));
+                self.leave_missing(&mut barrier.from, &barrier.to, last(barrier.reason.before), step);
             }
             self.apply(barrier.from.stages, barrier.to.stages, step);
         }
@@ -259,8 +267,9 @@ impl<'a> Ordered<'a> {
                 return true;
             }
             if let Some(before) = last(barrier.reason.before) {
-                let missing = self.done.missing(barrier.from.stages, barrier.to.stages, before);
-                barrier.from.stages = self.done.unchained(missing, before);
+                let done = self.done_before(step);
+                let missing = done.missing(barrier.from.stages, barrier.to.stages, before);
+                barrier.from.stages = done.unchained(missing, before);
             }
             let keep = !barrier.from.stages.is_empty();
             if keep {
@@ -268,13 +277,33 @@ impl<'a> Ordered<'a> {
             }
             keep
         });
-        self.for_all.iter_mut().for_each(|other| other.behind |= std::mem::take(&mut other.more));
+        if self.for_all.iter().any(|other| other.more != 0) {
+            self.for_all.iter_mut().for_each(|other| other.behind |= std::mem::take(&mut other.more));
+            self.behind_all = self.for_all.iter().fold(!0, |all, other| all & other.behind);
+        }
+    }
+
+    /// What is ordered before a step, with what barriers of its call ordered so far.
+    fn done_before(&mut self, step: u32) -> &Done {
+        for (from, to, step) in self.unasked.drain(..) {
+            self.done.at(step);
+            self.done.barrier(from, to, step);
+        }
+        self.done.at(step);
+        &self.done
+    }
+
+    /// Leaves out first stages that come before others of them anyway.
+    fn unchain(&mut self, from: &mut Access, before: Option<u32>, step: u32) {
+        if let Some(before) = before {
+            from.stages = self.done_before(step).unchained(from.stages, before);
+        }
     }
 
     /// Leaves of first scopes without memory what nothing else orders, and one stage at least: what it is chained to.
-    fn leave_missing(&self, from: &mut Access, to: &Access, before: Option<u32>) {
+    fn leave_missing(&mut self, from: &mut Access, to: &Access, before: Option<u32>, step: u32) {
         if let Some(before) = before.filter(|_| !from.stages.as_raw().is_power_of_two()) {
-            let missing = self.done.missing(from.stages, to.stages, before);
+            let missing = self.done_before(step).missing(from.stages, to.stages, before);
             from.stages = if missing.is_empty() { any(from.stages) } else { missing };
         }
     }
@@ -302,7 +331,9 @@ impl<'a> Ordered<'a> {
         if self.for_all.len() == REMEMBERED {
             self.for_all.pop_front();
         }
-        self.for_all.push_back(ForAll { step, from, to, behind: with_later(set(to.stages)), more: 0 });
+        let behind = with_later(set(to.stages));
+        self.behind_all &= behind;
+        self.for_all.push_back(ForAll { step, from, to, behind, more: 0 });
     }
 
     /// A semaphore came round from this queue by way of another: `steps` of the queue are done, and visible to these
@@ -310,6 +341,7 @@ impl<'a> Ordered<'a> {
     pub(super) fn wait(&mut self, stages: Stages, steps: u32) {
         let all = Access { stages: Stages::ALL_COMMANDS, mask: Mask::from_raw(!0), ..Access::NONE };
         self.remember(steps, all, Access { stages, ..all });
+        self.done_before(steps);
         self.done.steps(with_later(set(stages)), steps);
     }
 
@@ -318,10 +350,12 @@ impl<'a> Ordered<'a> {
             return;
         }
         let (from, to) = (with_earlier(set(from)), with_later(set(to)));
-        for other in self.for_all.iter_mut().filter(|other| other.step < step && other.behind & from != 0) {
-            other.more |= to;
+        if to & !self.behind_all != 0 {
+            for other in self.for_all.iter_mut().filter(|other| other.step < step && other.behind & from != 0) {
+                other.more |= to;
+            }
         }
-        self.done.barrier(from, to, step);
+        self.unasked.push((from, to, step));
     }
 }
 

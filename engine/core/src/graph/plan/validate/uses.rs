@@ -85,7 +85,7 @@ pub(super) fn pass(
 fn ids(errors: &mut Errors, place: Place, used: &Use) -> bool {
     let versions = &errors.description.versions;
     let count = versions.len();
-    for id in [Some(used.version), used.makes].into_iter().flatten() {
+    for id in std::iter::once(used.version).chain(used.makes) {
         if id.0 as usize >= count {
             let wrong = format!("uses version {}, which there is not", id.0);
             errors.add(ErrorKind::UnknownId, place, wrong, format!("the description has {count} versions"));
