@@ -14,14 +14,15 @@ pub(super) fn attach(plan: &mut Plan, context: &Context, pending: &AllPending) {
         batch.steps.iter().for_each(|&step| batch_of[step] = index);
     }
     let mut alike = Vec::new();
-    for place in pending.order.chunk_by(|&a, &b| pending.place(a) == pending.place(b)) {
-        let (at, release) = pending.place(place[0]);
+    let key = |&index: &u32| (pending.place(index), context.resource(&pending.list[index as usize]));
+    for same in pending.order.chunk_by(|a, b| key(a) == key(b)) {
+        let ((at, release), resource) = key(&same[0]);
         let barriers = match (release, at.index()) {
             (true, step) => &mut plan.batches[step.and_then(|step| batch_of.get(step)).copied().unwrap_or(0)].release,
             (false, Some(step)) => &mut plan.steps[step].barriers,
             (false, None) => &mut plan.finally,
         };
-        together(context, &pending.list, place, &mut alike, barriers);
+        together(context, &pending.list, (resource, same), &mut alike, barriers);
     }
 }
 
@@ -39,34 +40,37 @@ pub(super) fn show_host(plan: &mut Plan) {
 /// Barriers of one resource, each with its cells.
 type Alike = Vec<(Kind, Vec<u32>)>;
 
-/// Puts barriers of one place together: cells that share one become ranges. `place`: their numbers among all.
-/// `alike`: room for what is alike.
-fn together(context: &Context, all: &[Pending], place: &[u32], alike: &mut Alike, barriers: &mut Barriers) {
-    let resource_of = |&index: &u32| context.resource(&all[index as usize]);
-    for chunk in place.chunk_by(|a, b| resource_of(a) == resource_of(b)) {
-        let resource = resource_of(&chunk[0]);
-        if context.versions.cells.of(resource).len() == 1 {
-            let kind = |index: u32| &all[index as usize].kind;
-            for (place, &index) in chunk.iter().enumerate() {
-                if !chunk[..place].iter().any(|&known| kind(known) == kind(index)) {
-                    add(context, resource, kind(index), context.versions.cells.whole(resource), barriers);
-                }
-            }
-            continue;
-        }
-        alike.clear();
-        for barrier in chunk.iter().map(|&index| &all[index as usize]) {
-            match alike.iter_mut().find(|(kind, _)| *kind == barrier.kind) {
-                Some((_, cells)) => cells.push(barrier.cell),
-                None => alike.push((barrier.kind, vec![barrier.cell])),
+/// Puts barriers of one resource and place together: cells that share one become ranges. `same`: their numbers among
+/// all. `alike`: room for what is alike.
+fn together(
+    context: &Context,
+    all: &[Pending],
+    (resource, same): (ResourceId, &[u32]),
+    alike: &mut Alike,
+    barriers: &mut Barriers,
+) {
+    let kind = |index: u32| &all[index as usize].kind;
+    if context.versions.cells.of(resource).len() == 1 {
+        for (place, &index) in same.iter().enumerate() {
+            if !same[..place].iter().any(|&known| kind(known) == kind(index)) {
+                add(context, resource, kind(index), context.versions.cells.whole(resource), barriers);
             }
         }
-        for (kind, cells) in &*alike {
-            let ranges = context.versions.cells.ranges(cells);
-            // One for all memory does for all parts.
-            let count = if kind.scope == Scope::Memory { 1 } else { ranges.len() };
-            ranges.into_iter().take(count).for_each(|range| add(context, resource, kind, range, barriers));
+        return;
+    }
+    alike.clear();
+    for &index in same {
+        let cell = all[index as usize].cell;
+        match alike.iter_mut().find(|(known, _)| known == kind(index)) {
+            Some((_, cells)) => cells.push(cell),
+            None => alike.push((*kind(index), vec![cell])),
         }
+    }
+    for (kind, cells) in &*alike {
+        let ranges = context.versions.cells.ranges(cells);
+        // One for all memory does for all parts.
+        let count = if kind.scope == Scope::Memory { 1 } else { ranges.len() };
+        ranges.into_iter().take(count).for_each(|range| add(context, resource, kind, range, barriers));
     }
 }
 

@@ -209,14 +209,16 @@ impl Found {
             }
         }
         let from = Access { stages: latest(readers), ..Access::NONE };
-        // A semaphore made all of it available; a transition has to come behind the semaphore.
-        let relying = match (is_image, from.stages.is_empty()) {
-            (false, _) => first.access.stages,
-            (true, true) => any(first.access.stages),
-            (true, false) => any(from.stages),
-        };
         let relies = self.reliances.len();
-        semaphores.iter().for_each(|group| self.rely(group, first, relying, !is_image));
+        if !semaphores.is_empty() {
+            // A semaphore made all of it available; a transition has to come behind the semaphore.
+            let relying = match (is_image, from.stages.is_empty()) {
+                (false, _) => first.access.stages,
+                (true, true) => any(first.access.stages),
+                (true, false) => any(from.stages),
+            };
+            semaphores.iter().for_each(|group| self.rely(group, first, relying, !is_image));
+        }
         let hazard = old.map_or(Hazard::First, |(_, old)| Hazard::Alias { old });
         let before = old.map_or(At::START, |(at, _)| at);
         let kind = Kind { scope: Scope::Resource, from, to, ownership: None, hazard, before, after };

@@ -26,11 +26,11 @@ impl Events {
     pub(super) fn new(description: &Description, versions: &Versions) -> Self {
         // 1. In recorded order.
         let most = versions.cells.slot_count() + description.roots.len();
-        let mut recorded: Vec<(usize, Event)> = Vec::with_capacity(most);
+        let mut recorded: Vec<(u32, Event)> = Vec::with_capacity(most);
         let mut add = |node: Node, used: u32, version: VersionId, writes: bool| {
             for slot in versions.cells.slots(version.0 as usize) {
-                let (cell, time) = (versions.cells.cell(slot), 2 * versions.epoch[slot] + u32::from(writes));
-                recorded.push((cell as usize, Event { time, node, used }));
+                let time = 2 * versions.epoch[slot] + u32::from(writes);
+                recorded.push((versions.cells.cell(slot), Event { time, node, used }));
             }
         };
         for (node, pass) in description.passes.iter().enumerate() {
@@ -47,7 +47,10 @@ impl Events {
         }
 
         // 2. By cell, and there by time: most come in order.
-        let mut events = Self(Lists::new(versions.cells.len(), recorded.iter().copied()));
+        let mut events = Self(Lists::new(
+            versions.cells.len(),
+            recorded.iter().map(|&(cell, event)| (cell as usize, event)),
+        ));
         (0..events.cells()).for_each(|cell| events.sort(cell, |event| event.time));
         events
     }
@@ -93,7 +96,7 @@ impl Dependencies {
     /// From events in order. `nodes`: how many there are.
     pub(super) fn new(events: &Events, nodes: usize) -> Self {
         // 1. The users of one time wait for those of the time before.
-        let mut edges: Vec<(usize, (Node, u32))> = Vec::with_capacity(events.len());
+        let mut edges: Vec<(Node, (Node, u32))> = Vec::with_capacity(events.len());
         let mut forward = true;
         for cell in 0..events.cells() {
             let mut sets = events.of(cell).chunk_by(|a, b| a.time == b.time);
@@ -102,7 +105,7 @@ impl Dependencies {
                 for from in earlier {
                     for to in later.iter().filter(|to| to.node != from.node) {
                         forward &= from.node < to.node;
-                        edges.push((from.node as usize, (to.node, cell)));
+                        edges.push((from.node, (to.node, cell)));
                     }
                 }
                 earlier = later;
@@ -110,7 +113,7 @@ impl Dependencies {
         }
 
         // 2. By node, each once, for the first cell that asks for it.
-        let mut after = Lists::new(nodes, edges.iter().copied());
+        let mut after = Lists::new(nodes, edges.iter().map(|&(from, edge)| (from as usize, edge)));
         let mut doubled = false;
         for node in 0..nodes {
             let after = after.of_mut(node);

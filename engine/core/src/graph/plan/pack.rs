@@ -92,7 +92,7 @@ impl Lives {
 }
 
 /// Blocks by their first step, or by their last one (`side` 1).
-pub(super) fn by_step(blocks: &[Block], side: usize) -> Lists<u32> {
+fn by_step(blocks: &[Block], side: usize) -> Lists<u32> {
     let steps = blocks.iter().map(|block| block.steps[1] as usize + 1).max().unwrap_or(0);
     Lists::new(steps, (0..).zip(blocks).map(|(index, block)| (block.steps[side] as usize, index)))
 }

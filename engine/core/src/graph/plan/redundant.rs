@@ -231,9 +231,9 @@ impl<'a> Ordered<'a> {
         if !memory.is_empty() {
             tenants(images, memory);
             subsumed(memory);
+            images.retain(|barrier| !is_covered(&barrier.from, &mut barrier.to, barrier.ownership, memory));
+            buffers.retain_mut(|barrier| !is_covered(&barrier.from, &mut barrier.to, barrier.ownership, memory));
         }
-        images.retain(|barrier| !is_covered(&barrier.from, &mut barrier.to, barrier.ownership, memory));
-        buffers.retain_mut(|barrier| !is_covered(&barrier.from, &mut barrier.to, barrier.ownership, memory));
 
         // 4. What the rest orders. Most barriers of a call order alike, and nothing comes of the second.
         let mut applied = Default::default();

@@ -132,7 +132,12 @@ pub(super) fn versions(errors: &mut Errors, wholes: &[Range]) -> Vec<bool> {
             errors.add(ErrorKind::UnknownId, Place::default(), wrong, allowed);
         }
         let sources = version.source.versions();
-        sources.iter().for_each(|&source| made_from(errors, index, version, source));
+        for &source in sources {
+            let from = description.versions[..index].get(source.0 as usize);
+            if from.is_none_or(|from| from.resource != version.resource || from.range != version.range) {
+                made_from(errors, index, version, source);
+            }
+        }
         if let Source::Pass { pass, from } = version.source
             && makers[index] != 1
         {
