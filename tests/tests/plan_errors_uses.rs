@@ -208,7 +208,8 @@ fn passes_do_not_wait_for_one_another() {
     let read = Access::storage_buffer_read(COMPUTE);
     let used =
         shadowgraph::graph::description::Use { slot: "y".into(), version: y1, makes: None, reads: true, access: read };
-    draft.description.passes[0].uses.push(used);
+    draft.description.uses.push(used);
+    draft.description.passes[0].uses.end += 1;
     draft.capture("x", x1);
     expect(
         &draft,

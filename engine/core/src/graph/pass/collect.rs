@@ -61,8 +61,7 @@ impl Shaders {
 
 impl Collected {
     pub(super) fn new(graph: &mut Graph, name: Name, shaders: Shaders) -> Self {
-        graph.uses.clear();
-        let (pass, first_bound) = (graph.next_pass(), graph.bound.len());
+        let (pass, first_bound) = (graph.begin_pass(), graph.bound.len());
         Self { pass, name, shaders, first_bound, counted: Vec::new() }
     }
 
@@ -106,8 +105,7 @@ impl Collected {
                 Access::sampled(stages)
             }
         };
-        let used = graph.used(binding.name, handle, access);
-        graph.uses.push(used);
+        graph.used(binding.name, handle, access);
         let what =
             What::Resource { resource: handle.resource(), range: handle.range(), layout: access.layout, sampler };
         graph.bound.push(Bound { binding: binding.binding, what });
@@ -130,8 +128,7 @@ impl Collected {
             layout: access.layout,
             sampler: SamplerInfo::nearest(),
         };
-        let (used, next) = graph.written(self.pass, binding.name, handle, reads, access);
-        graph.uses.push(used);
+        let next = graph.written(self.pass, binding.name, handle, reads, access);
         graph.bound.push(Bound { binding: binding.binding, what });
         next
     }

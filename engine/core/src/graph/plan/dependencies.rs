@@ -14,7 +14,7 @@ pub(super) struct Event {
     pub(super) time: u32,
     /// Who.
     pub(super) node: Node,
-    /// Which of the pass's uses it is; 0 of a read-back.
+    /// Its place among the description's uses; 0 of a read-back.
     pub(super) used: u32,
 }
 
@@ -34,9 +34,11 @@ impl Events {
             }
         };
         for (node, pass) in description.passes.iter().enumerate() {
-            for (index, used) in pass.uses.iter().enumerate().filter(|(_, used)| versions.is_known(used.version)) {
-                let writes = used.makes.is_some_and(|made| versions.is_known(made));
-                add(node as Node, index as u32, used.version, writes);
+            for (place, used) in (pass.uses.start..).zip(description.uses_of(pass)) {
+                if versions.is_known(used.version) {
+                    let writes = used.makes.is_some_and(|made| versions.is_known(made));
+                    add(node as Node, place, used.version, writes);
+                }
             }
         }
         let passes = description.passes.len() as Node;

@@ -98,12 +98,12 @@ impl History {
             for event in events.of(cell) {
                 let step = steps[event.node as usize] as usize;
                 let (at, queue) = (At::step(step), schedule.queues[step]);
-                let (access, makes, reads) = match description.passes.get(event.node as usize) {
-                    Some(pass) => {
-                        let used = &pass.uses[event.used as usize];
+                let (access, makes, reads) = match (event.node as usize) < description.passes.len() {
+                    true => {
+                        let used = &description.uses[event.used as usize];
                         (used.access, used.makes, used.reads)
                     }
-                    None => (Access::copy_read(), None, true),
+                    false => (Access::copy_read(), None, true),
                 };
                 history.push(
                     from,

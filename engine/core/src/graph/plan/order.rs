@@ -127,7 +127,7 @@ impl<'a> Memory<'a> {
             };
             match node.checked_sub(passes) {
                 _ if !is_live(node as Node) => {}
-                None => description.passes[node].uses.iter().for_each(|used| add(used.version)),
+                None => description.uses_of(&description.passes[node]).iter().for_each(|used| add(used.version)),
                 Some(root) => add(description.roots[root].version),
             }
             first.push(used.len() as u32);

@@ -48,7 +48,7 @@ pub(super) fn assign(
     }
     let mut writers: Vec<(VersionId, usize)> = Vec::new();
     for (step, &node) in nodes.iter().enumerate().filter(|(_, node)| (**node as usize) < passes) {
-        let made = description.passes[node as usize].uses.iter().filter_map(|used| used.makes);
+        let made = description.uses_of(&description.passes[node as usize]).iter().filter_map(|used| used.makes);
         writers.extend(made.filter_map(|made| versions.fork[made.0 as usize]).map(|fork| (fork, step)));
     }
     writers.sort_unstable();

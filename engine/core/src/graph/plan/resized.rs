@@ -79,6 +79,7 @@ fn sizes(outline: &Outline, from: &Description, to: &Description) -> Option<Vec<
     let same = from.counts() == to.counts()
         && from.name == to.name
         && from.passes == to.passes
+        && from.uses == to.uses
         && from.roots == to.roots
         && from.checkpoints == to.checkpoints;
     if !same {

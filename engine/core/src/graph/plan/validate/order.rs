@@ -13,8 +13,8 @@ pub(super) fn check(errors: &mut Errors, versions: &Versions) -> (Events, Depend
     let description = errors.description;
     let events = Events::new(description, versions);
     let makes = |event: &Event| {
-        let pass = description.passes.get(event.node as usize)?;
-        pass.uses[event.used as usize].makes.filter(|&made| versions.is_known(made))
+        description.passes.get(event.node as usize)?;
+        description.uses[event.used as usize].makes.filter(|&made| versions.is_known(made))
     };
     let fork = |made: VersionId| versions.fork[made.0 as usize];
     let before = errors.list.len();
@@ -62,7 +62,7 @@ fn rivals_error(errors: &mut Errors, a: VersionId, b: VersionId) {
     let maker = |made: VersionId| {
         let Source::Pass { pass, .. } = description.versions[made.0 as usize].source else { return None };
         let pass = description.passes.get(pass.0 as usize)?;
-        Some((pass, pass.uses.iter().find(|used| used.makes == Some(made))?))
+        Some((pass, description.uses_of(pass).iter().find(|used| used.makes == Some(made))?))
     };
     let (Some((pass, used)), Some((other, _))) = (maker(a), maker(b)) else { return };
     let resource = Some(description.versions[a.0 as usize].resource);

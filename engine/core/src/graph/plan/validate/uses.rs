@@ -42,11 +42,12 @@ pub(super) fn pass(
     allowed: &[vk::ImageUsageFlags],
     fine: &mut Fine,
 ) {
-    if pass.uses.is_empty() && pass.side_effect.is_none() {
+    let uses = errors.description.uses_of(pass);
+    if uses.is_empty() && pass.side_effect.is_none() {
         let allowed = "it reads or writes something, or has a side effect";
         errors.add(ErrorKind::EmptyPass, Place::pass(pass), "uses nothing", allowed);
     }
-    for used in &pass.uses {
+    for used in uses {
         let place = |resource| Place { pass: Some(pass), slot: Some(&used.slot), resource };
         if !ids_are_right(errors.description, pass, used) {
             ids(errors, place(None), used);
@@ -203,8 +204,9 @@ fn queue(errors: &mut Errors, place: Place, queue: Queue, used: &Use) {
 /// Two uses of one pass that share a cell: both read one version in one layout.
 pub(super) fn pairs(errors: &mut Errors, versions: &Versions, pass: &Pass) {
     let known = |used: &&Use| versions.is_known(used.version);
-    for (index, a) in pass.uses.iter().enumerate().filter(|(_, used)| known(used)) {
-        for b in pass.uses[..index].iter().filter(known) {
+    let uses = errors.description.uses_of(pass);
+    for (index, a) in uses.iter().enumerate().filter(|(_, used)| known(used)) {
+        for b in uses[..index].iter().filter(known) {
             let version = &errors.description.versions[a.version.0 as usize];
             let other = &errors.description.versions[b.version.0 as usize];
             if version.resource != other.resource || !versions.overlap(a.version, b.version) {

@@ -50,7 +50,7 @@ pub(super) fn forks(errors: &mut Errors, versions: &Versions) {
                 let again = matches!(description.versions[from.0 as usize].source, Source::Pass { .. });
                 let pass = &description.passes[pass.0 as usize];
                 let made = Some(VersionId(index as u32));
-                let used = pass.uses.iter().find(|used| used.makes == made);
+                let used = description.uses_of(pass).iter().find(|used| used.makes == made);
                 let place = Place { pass: Some(pass), slot: used.map(|used| &*used.slot), ..place };
                 if again {
                     errors.add(ErrorKind::BadFork, place, "writes over what one unordered writer wrote", allowed);
