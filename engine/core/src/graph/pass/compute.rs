@@ -74,6 +74,7 @@ impl<'g, 'f> ComputePass<'g, 'f> {
         self.finish(Groups::Indirect(groups.resource, offset));
     }
 
+    #[inline]
     fn finish(self, groups: Groups) {
         let Self { graph, collected, shader, constants, push } = self;
         let expected = shader.push.map_or(0, |block| block.size as usize);

@@ -4,25 +4,49 @@ use ash::vk::ImageLayout as Layout;
 
 use super::barriers::{AllPending, Context, Kind, Pending, Scope};
 use super::history::At;
-use super::{Barriers, BufferBarrier, Hazard, ImageBarrier, MemoryBarrier, Plan, Reason, Work};
+use super::{Barriers, Batch, BufferBarrier, Hazard, ImageBarrier, MemoryBarrier, Plan, Reason, Work};
 use crate::graph::description::{Access, Range, ResourceId};
 
-/// Puts each barrier before its step, at the end of its batch, or at the end of the frame.
-pub(super) fn attach(plan: &mut Plan, context: &Context, pending: &AllPending) {
-    let mut batch_of = vec![0; if plan.is_single_queue() { 0 } else { plan.steps.len() }];
-    for (index, batch) in plan.batches.iter().enumerate().skip(1) {
-        batch.steps.iter().for_each(|&step| batch_of[step] = index);
+/// Barriers on their way to their places.
+pub(super) struct Attach<'a> {
+    context: &'a Context<'a>,
+    all: &'a [Pending],
+    /// Those that are not in their places yet, in order.
+    rest: &'a [u32],
+    /// By step: its batch. Nothing where there is but one.
+    batch_of: &'a [usize],
+    alike: Alike,
+}
+
+impl<'a> Attach<'a> {
+    pub(super) fn new(context: &'a Context<'a>, pending: &'a AllPending, batch_of: &'a [usize]) -> Self {
+        Self { context, all: &pending.list, rest: &pending.order, batch_of, alike: Vec::new() }
     }
-    let mut alike = Vec::new();
-    let key = |&index: &u32| (pending.place(index), context.resource(&pending.list[index as usize]));
-    for same in pending.order.chunk_by(|a, b| key(a) == key(b)) {
-        let ((at, release), resource) = key(&same[0]);
-        let barriers = match (release, at.index()) {
-            (true, step) => &mut plan.batches[step.and_then(|step| batch_of.get(step)).copied().unwrap_or(0)].release,
-            (false, Some(step)) => &mut plan.steps[step].barriers,
-            (false, None) => &mut plan.finally,
+
+    /// Puts those up to a moment in their places: before it, or at the end of the batch of a step that they release
+    /// behind.
+    pub(super) fn up_to(&mut self, at: At, before: &mut Barriers, batches: &mut [Batch]) {
+        let key = |index: u32| {
+            let barrier = &self.all[index as usize];
+            (barrier.at, barrier.release, self.context.resource(barrier))
         };
-        together(context, &pending.list, (resource, same), &mut alike, barriers);
+        while let Some(&first) = self.rest.first() {
+            let (place, release, resource) = key(first);
+            if place > at {
+                return;
+            }
+            let count = self.rest.iter().take_while(|&&other| key(other) == (place, release, resource)).count();
+            let (same, rest) = self.rest.split_at(count);
+            let barriers = match release {
+                true => {
+                    let batch = place.index().and_then(|step| self.batch_of.get(step)).copied();
+                    &mut batches[batch.unwrap_or(0)].release
+                }
+                false => &mut *before,
+            };
+            together(self.context, self.all, (resource, same), &mut self.alike, barriers);
+            self.rest = rest;
+        }
     }
 }
 

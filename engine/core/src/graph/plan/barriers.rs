@@ -35,12 +35,6 @@ pub(super) struct AllPending {
 }
 
 impl AllPending {
-    /// Where a barrier stands, and whether it releases.
-    pub(super) fn place(&self, index: u32) -> (At, bool) {
-        let barrier = &self.list[index as usize];
-        (barrier.at, barrier.release)
-    }
-
     /// Puts them in order again. `steps`: how many there are.
     pub(super) fn sort(&mut self, steps: usize) {
         let place = |barrier: &Pending| 2 * barrier.at.place(steps) + usize::from(barrier.release);

@@ -159,6 +159,15 @@ pub(super) fn batches(schedule: &Schedule, mut crossings: Vec<Crossing>, takers:
     batches
 }
 
+/// By step: its batch. Nothing where there is but one.
+pub(super) fn batch_of(batches: &[Batch], schedule: &Schedule) -> Vec<usize> {
+    let mut batch_of = vec![0; if batches.len() == 1 { 0 } else { schedule.nodes.len() }];
+    for (index, batch) in batches.iter().enumerate().skip(1) {
+        batch.steps.iter().for_each(|&step| batch_of[step] = index);
+    }
+    batch_of
+}
+
 /// Waits for the values needed that are not waited for yet, by this queue or by a batch that it waits for.
 fn waits(needed: [u64; 3], waited: &mut [u64; 3], known: &[Vec<[u64; 3]>; 3]) -> Vec<Wait> {
     let missing = QUEUES.into_iter().filter(|queue| needed[*queue as usize] > waited[*queue as usize]);

@@ -8,9 +8,11 @@ use std::collections::VecDeque;
 
 use ash::vk::{AccessFlags2 as Mask, PipelineStageFlags2 as Stages};
 
+use super::history::Schedule;
+use super::queues::RoundTrip;
 use super::stages::{COUNT, Set, any, bits, both, holds, members, set, single, with_earlier, with_later, without};
 use super::{Barriers, Hazard, ImageBarrier, MemoryBarrier, Ownership, Reason, Work};
-use crate::graph::description::{Access, ResourceId};
+use crate::graph::description::{Access, Queue, ResourceId};
 
 /// Whether a barrier does more than to order.
 fn is_strong(barrier: &MemoryBarrier) -> bool {
@@ -79,8 +81,82 @@ fn is_covered(from: &Access, to: &mut Access, ownership: Option<Ownership>, memo
     to.mask.is_empty() && !asked.is_empty()
 }
 
+/// Barriers less those that follow from others, step by step.
+pub(super) struct Redundant<'a> {
+    schedule: &'a Schedule,
+    /// By step: its batch. Nothing where there is but one.
+    batch_of: &'a [usize],
+    /// Of batches that have not begun.
+    trips: Vec<RoundTrip>,
+    /// By queue.
+    ordered: [Ordered<'a>; 3],
+    /// By queue: how many of its steps there were.
+    counts: [u32; 3],
+    /// By pass, then by root: where it stands on its queue, from 1 on; 0: nowhere yet.
+    places: Vec<(Queue, u32)>,
+}
+
+impl<'a> Redundant<'a> {
+    /// `chained`: images with barriers that come behind semaphores, ascending.
+    pub(super) fn new(
+        schedule: &'a Schedule,
+        batch_of: &'a [usize],
+        trips: &[RoundTrip],
+        chained: &'a [ResourceId],
+    ) -> Self {
+        let nodes = schedule.nodes.iter().max().map_or(0, |last| *last as usize + 1);
+        let (ordered, trips) = ([(); 3].map(|()| Ordered::new(chained)), trips.to_vec());
+        Self { schedule, batch_of, trips, ordered, counts: [0; 3], places: vec![(Queue::Graphics, 0); nodes] }
+    }
+
+    /// Takes out of the barriers before a step, the next one, what follows from others.
+    pub(super) fn step(&mut self, step: usize, barriers: &mut Barriers) {
+        let queue = self.schedule.queues[step];
+        if !self.trips.is_empty() {
+            let batch = self.batch_of[step];
+            self.begin(|trip| trip.batch == batch, queue);
+        }
+        self.filter(queue, barriers);
+        self.counts[queue as usize] += 1;
+        self.places[self.schedule.nodes[step] as usize] = (queue, self.counts[queue as usize]);
+    }
+
+    /// As [`Redundant::step`], of the barriers at the end of the frame, on graphics.
+    pub(super) fn end(&mut self, barriers: &mut Barriers) {
+        // A batch without steps comes last.
+        self.begin(|_| true, Queue::Graphics);
+        self.filter(Queue::Graphics, barriers);
+    }
+
+    /// Batches of a queue begin, behind semaphores that came round.
+    fn begin(&mut self, begins: impl Fn(&RoundTrip) -> bool, queue: Queue) {
+        for trip in self.trips.extract_if(.., |trip| begins(trip)) {
+            self.ordered[queue as usize].wait(trip.stages, trip.steps);
+        }
+    }
+
+    fn filter(&mut self, queue: Queue, barriers: &mut Barriers) {
+        if barriers.is_empty() {
+            return;
+        }
+        let (places, passes) = (&self.places, self.schedule.passes);
+        // What came before the frame stands at 0, all of it on graphics.
+        let place = |work: Option<Work>| match work {
+            None => (queue == Queue::Graphics).then_some(0),
+            Some(work) => {
+                let node = match work {
+                    Work::Pass(pass) => pass.0 as usize,
+                    Work::ReadBack(root) => passes + root,
+                };
+                places.get(node).filter(|place| place.0 == queue && place.1 > 0).map(|place| place.1)
+            }
+        };
+        self.ordered[queue as usize].filter(barriers, self.counts[queue as usize], place);
+    }
+}
+
 /// What is ordered on one queue.
-pub(super) struct Ordered<'a> {
+struct Ordered<'a> {
     /// Images with barriers whose first stages are chained to semaphores, ascending.
     chained: &'a [ResourceId],
     done: Done,
@@ -189,7 +265,7 @@ struct ForAll {
 }
 
 impl<'a> Ordered<'a> {
-    pub(super) fn new(chained: &'a [ResourceId]) -> Self {
+    fn new(chained: &'a [ResourceId]) -> Self {
         let (done, unasked, for_all) = Default::default();
         Self { chained, done, unasked, for_all, behind_all: !0 }
     }
@@ -197,7 +273,7 @@ impl<'a> Ordered<'a> {
     /// Takes out what follows from other barriers, and remembers what the rest orders. `step`: how many steps of the
     /// queue stand before; `last`: at which place of the queue some work stands, 1 for the first step, 0 for what came
     /// before the frame.
-    pub(super) fn filter(&mut self, barriers: &mut Barriers, step: u32, last: impl Fn(Option<Work>) -> Option<u32>) {
+    fn filter(&mut self, barriers: &mut Barriers, step: u32, last: impl Fn(Option<Work>) -> Option<u32>) {
         let Barriers { images, buffers, memory } = barriers;
 
         // 1. First stages that come before others of the same barrier anyway.
@@ -338,7 +414,7 @@ impl<'a> Ordered<'a> {
 
     /// A semaphore came round from this queue by way of another: `steps` of the queue are done, and visible to these
     /// stages.
-    pub(super) fn wait(&mut self, stages: Stages, steps: u32) {
+    fn wait(&mut self, stages: Stages, steps: u32) {
         let all = Access { stages: Stages::ALL_COMMANDS, mask: Mask::from_raw(!0), ..Access::NONE };
         self.remember(steps, all, Access { stages, ..all });
         self.done_before(steps);

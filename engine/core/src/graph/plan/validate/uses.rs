@@ -205,7 +205,7 @@ fn queue(errors: &mut Errors, place: Place, queue: Queue, used: &Use) {
 pub(super) fn pairs(errors: &mut Errors, versions: &Versions, pass: &Pass) {
     let known = |used: &&Use| versions.is_known(used.version);
     let uses = errors.description.uses_of(pass);
-    for (index, a) in uses.iter().enumerate().filter(|(_, used)| known(used)) {
+    for (index, a) in uses.iter().enumerate().skip(1).filter(|(_, used)| known(used)) {
         for b in uses[..index].iter().filter(known) {
             let version = &errors.description.versions[a.version.0 as usize];
             let other = &errors.description.versions[b.version.0 as usize];

@@ -37,6 +37,9 @@ pub(super) fn joins(errors: &mut Errors, versions: &Versions) {
 
 /// A forked version is written once, and then joined.
 pub(super) fn forks(errors: &mut Errors, versions: &Versions) {
+    if versions.fork.iter().all(Option::is_none) {
+        return;
+    }
     let description = errors.description;
     let allowed = "join the unordered writers before anything else is done with what they write";
     for (index, version) in description.versions.iter().enumerate().filter(|(index, _)| !versions.broken[*index]) {
