@@ -159,7 +159,7 @@ pub enum Shape {
 }
 
 /// Size and format of an image. Two-dimensional where `extent[2]` is 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ImageShape {
     /// Texel format.
     pub format: vk::Format,
@@ -224,7 +224,7 @@ pub struct Access {
 }
 
 /// Part of a resource.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Range {
     /// Of an image: aspects, `[first, end)` of mips and of layers.
     Image {
@@ -237,6 +237,32 @@ pub enum Range {
     },
     /// Of a buffer: `[first, end)` in bytes.
     Buffer([u64; 2]),
+}
+
+/// Two numbers as one.
+fn pair([first, second]: [u32; 2]) -> u64 {
+    u64::from(first) << 32 | u64::from(second)
+}
+
+impl Hash for ImageShape {
+    /// In few words: frames have thousands of them.
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let Self { format, extent: [width, height, depth], mips, layers, samples } = *self;
+        [[format.as_raw() as u32, width], [height, depth], [mips, layers], [samples, 0]]
+            .into_iter()
+            .for_each(|two| state.write_u64(pair(two)));
+    }
+}
+
+impl Hash for Range {
+    /// In few words: frames have thousands of them.
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let words = match *self {
+            Range::Image { aspects, mips, layers } => [aspects.as_raw().into(), pair(mips), pair(layers)],
+            Range::Buffer([first, end]) => [u64::MAX, first, end],
+        };
+        words.into_iter().for_each(|word| state.write_u64(word));
+    }
 }
 
 impl Range {

@@ -3,8 +3,8 @@
 use ash::vk;
 use shadowgraph::graph::ImageShape;
 use shadowgraph::graph::description::{
-    Access, Checkpoint, Description, Origin, PassId, Queue, Range, Resource, ResourceId, Root, Shape, Source,
-    Use, Version, VersionId,
+    Access, Checkpoint, Description, Origin, PassId, Queue, Range, Resource, ResourceId, Root, Shape, Source, Use,
+    Version, VersionId,
 };
 
 /// A description being written.

@@ -35,8 +35,8 @@ impl<'a> Attach<'a> {
             if place > at {
                 return;
             }
-            let count = self.rest.iter().take_while(|&&other| key(other) == (place, release, resource)).count();
-            let (same, rest) = self.rest.split_at(count);
+            let others = self.rest[1..].iter().take_while(|&&other| key(other) == (place, release, resource));
+            let (same, rest) = self.rest.split_at(1 + others.count());
             let barriers = match release {
                 true => {
                     let batch = place.index().and_then(|step| self.batch_of.get(step)).copied();

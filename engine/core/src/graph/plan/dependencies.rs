@@ -49,10 +49,8 @@ impl Events {
         }
 
         // 2. By cell, and there by time: most come in order.
-        let mut events = Self(Lists::new(
-            versions.cells.len(),
-            recorded.iter().map(|&(cell, event)| (cell as usize, event)),
-        ));
+        let mut events =
+            Self(Lists::new(versions.cells.len(), recorded.iter().map(|&(cell, event)| (cell as usize, event))));
         (0..events.cells()).for_each(|cell| events.sort(cell, |event| event.time));
         events
     }

@@ -35,7 +35,11 @@ pub(super) fn gather(pending: &mut AllPending, schedule: &Schedule, crossings: &
             }
             let here = |before: Option<usize>| before.is_none_or(|step| schedule.queues[step] == queue);
             match *last {
-                Some(place) if place > barrier.behind && waits.get(step).is_none_or(|wait| place >= *wait) && here(barrier.behind.index()) => {
+                Some(place)
+                    if place > barrier.behind
+                        && waits.get(step).is_none_or(|wait| place >= *wait)
+                        && here(barrier.behind.index()) =>
+                {
                     moved |= barrier.at != place;
                     barrier.at = place;
                 }

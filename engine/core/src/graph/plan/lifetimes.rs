@@ -135,8 +135,8 @@ pub(super) fn report(description: &Description, versions: &Versions, history: &H
     for resource in (0..resources as u32).map(ResourceId) {
         let span = |cell: u32| {
             let groups = history.of(cell);
-            let first = groups.iter().flat_map(|group| [group.first, group.last]).find_map(At::index)?;
-            let last = groups.iter().rev().flat_map(|group| [group.last, group.first]).find_map(At::index)?;
+            let first = groups.iter().find_map(|group| group.first.index().or_else(|| group.last.index()))?;
+            let last = groups.iter().rev().find_map(|group| group.last.index().or_else(|| group.first.index()))?;
             Some([first, last])
         };
         let cells = versions.cells.of(resource);

@@ -7,6 +7,7 @@ mod cells;
 mod cull;
 mod dependencies;
 mod device;
+mod done;
 mod gather;
 mod history;
 mod lifetimes;

@@ -203,15 +203,17 @@ fn queue(errors: &mut Errors, place: Place, queue: Queue, used: &Use) {
 
 /// Two uses of one pass that share a cell: both read one version in one layout.
 pub(super) fn pairs(errors: &mut Errors, versions: &Versions, pass: &Pass) {
-    let known = |used: &&Use| versions.is_known(used.version);
-    let uses = errors.description.uses_of(pass);
-    for (index, a) in uses.iter().enumerate().skip(1).filter(|(_, used)| known(used)) {
-        for b in uses[..index].iter().filter(known) {
-            let version = &errors.description.versions[a.version.0 as usize];
-            let other = &errors.description.versions[b.version.0 as usize];
-            if version.resource != other.resource || !versions.overlap(a.version, b.version) {
+    let description = errors.description;
+    let resource = |used: &Use| description.versions.get(used.version.0 as usize).map(|version| version.resource);
+    let uses = description.uses_of(pass);
+    for (index, a) in uses.iter().enumerate().skip(1) {
+        let mine = resource(a);
+        for b in uses[..index].iter().filter(|b| resource(b) == mine) {
+            let are_known = versions.is_known(a.version) && versions.is_known(b.version);
+            if !are_known || !versions.overlap(a.version, b.version) {
                 continue;
             }
+            let version = &description.versions[a.version.0 as usize];
             let place = Place { slot: Some(&a.slot), resource: Some(version.resource), ..Place::pass(pass) };
             let shape = &errors.description.resources[version.resource.0 as usize].shape;
             let slot = &b.slot;
