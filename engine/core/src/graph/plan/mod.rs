@@ -30,6 +30,7 @@ mod versions;
 
 pub use apart::{Apart, apart};
 pub use device::{DeviceModel, Requirements, Usage};
+pub use lifetimes::lifetimes;
 pub use output::{
     Barriers, Batch, BufferBarrier, End, Heap, ImageBarrier, ImageBarriers, Lifetime, MemoryBarrier, Ownership,
     Placement, Plan, Statistics, Step, Wait, Work,
@@ -134,7 +135,6 @@ fn complete(description: &Description, outline: &Outline, placed: &mut Placed) -
         placements: Vec::new(),
         heaps: Vec::new(),
         usages: outline.usages.clone(),
-        lifetimes: lifetimes::report(description, versions, history),
         ends: history::ends(description, versions, history),
         statistics: Statistics::default(),
         fingerprint: 0,
