@@ -116,13 +116,18 @@ fn plan_chosen(
 fn complete(description: &Description, outline: &Outline, placed: &mut Placed) -> Plan {
     let Outline { versions, history, schedule, crossings, lifetimes, .. } = outline;
     let context = Context { description, versions, history, schedule, lifetimes, families: outline.families };
+    // 1. What has to stand between uses, moved together.
     let (mut pending, reliances) = barriers::pending(&context, placed);
     let takers = context.takers(&pending.list);
     gather::gather(&mut pending, schedule, crossings, &takers);
+
+    // 2. Submissions, and which stages their semaphores hold up.
     let mut batches = queues::batches(schedule, crossings.clone(), &takers);
     let (held, trips) = queues::narrow(&mut batches, schedule, &reliances);
     let chained = barriers::chain(&context, &mut pending.list, &held);
     let batch_of = queues::batch_of(&batches, schedule);
+
+    // 3. Step by step: its barriers, less those that follow from others.
     let steps = (0..schedule.nodes.len())
         .map(|step| Step { work: schedule.work(step), queue: schedule.queues[step], barriers: Barriers::default() })
         .collect();
@@ -139,7 +144,6 @@ fn complete(description: &Description, outline: &Outline, placed: &mut Placed) -
         statistics: Statistics::default(),
         fingerprint: 0,
     };
-    // Step by step: its barriers, less those that follow from others.
     let mut attach = Attach::new(&context, &pending, &batch_of);
     let mut redundant = Redundant::new(schedule, &batch_of, &trips, &chained);
     for (step, Step { barriers, .. }) in plan.steps.iter_mut().enumerate() {
