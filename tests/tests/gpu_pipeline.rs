@@ -89,8 +89,11 @@ fn a_compute_pipeline_computes() {
 }
 
 /// A source and a target.
-fn holds<'a>(source: &'a Buffer, target: &'a Buffer) -> [(u32, Points<'a>); 2] {
-    [(0, Points::buffer(source)), (3, Points::buffer(target))]
+fn holds<'a>(
+    source: &'a Buffer,
+    target: &'a Buffer,
+) -> impl Iterator<Item = shadowgraph::Result<(u32, Points<'a>)>> + Clone {
+    [(0, Points::buffer(source)), (3, Points::buffer(target))].into_iter().map(Ok)
 }
 
 #[test]
@@ -107,12 +110,12 @@ fn sets_are_kept_by_what_they_hold() {
     let mut cache = gpu.descriptor_cache("frames");
     let first = make(1);
     cache.begin_frame();
-    let set = cache.set(&pipeline, 0, &holds(&first, &target)).unwrap();
+    let set = cache.set(&pipeline, 0, holds(&first, &target)).unwrap();
     let second = make(2);
-    assert_ne!(cache.set(&pipeline, 0, &holds(&second, &target)).unwrap(), set);
-    assert_eq!(cache.set(&pipeline, 0, &holds(&first, &target)).unwrap(), set);
+    assert_ne!(cache.set(&pipeline, 0, holds(&second, &target)).unwrap(), set);
+    assert_eq!(cache.set(&pipeline, 0, holds(&first, &target)).unwrap(), set);
     cache.begin_frame();
-    assert_eq!(cache.set(&pipeline, 0, &holds(&first, &target)).unwrap(), set);
+    assert_eq!(cache.set(&pipeline, 0, holds(&first, &target)).unwrap(), set);
 
     // It is no set of another pipeline, which may ask for more: this one reads more than there is.
     static LARGE: [Binding; 2] = [
@@ -121,7 +124,7 @@ fn sets_are_kept_by_what_they_hold() {
     ];
     let large: &'static Shader = Box::leak(Box::new(Shader { bindings: &LARGE, ..*scale() }));
     let other = gpu.compute_pipeline("large", large, &[]).unwrap();
-    let text = cache.set(&other, 0, &holds(&first, &target)).unwrap_err().to_string();
+    let text = cache.set(&other, 0, holds(&first, &target)).unwrap_err().to_string();
     assert!(text.contains("fewer than the shader's 4096"), "{text}");
 
     // Vulkan's handles come again; what has another object behind it is found anew.
@@ -132,7 +135,7 @@ fn sets_are_kept_by_what_they_hold() {
         let source = make(round);
         again += u32::from(source.raw() == handle);
         cache.begin_frame();
-        let set = cache.set(&pipeline, 0, &holds(&source, &target)).unwrap();
+        let set = cache.set(&pipeline, 0, holds(&source, &target)).unwrap();
         assert_ne!(std::mem::replace(&mut last, set), set, "round {round} found the set of a buffer that is gone");
         let commands = gpu.commands("compute").unwrap();
         bind(&commands, &pipeline, set);
@@ -148,7 +151,7 @@ fn sets_are_kept_by_what_they_hold() {
     for _ in 0..10 {
         cache.begin_frame();
     }
-    let sets: Vec<_> = (0..4).map(|value| cache.set(&pipeline, 0, &holds(&make(value), &target)).unwrap()).collect();
+    let sets: Vec<_> = (0..4).map(|value| cache.set(&pipeline, 0, holds(&make(value), &target)).unwrap()).collect();
     assert!(sets.contains(&set), "{set:?} is not among {sets:?}");
     drop((second, target, cache, pipeline, other));
     finish(gpu);

@@ -137,7 +137,7 @@ fn versions_come_from_older_ones_of_their_resource() {
 #[test]
 fn a_use_makes_its_own_version() {
     let (mut draft, filled) = right();
-    draft.description.passes[0].uses[0].makes = Some(VersionId(0));
+    draft.description.uses_of_mut(PassId(0))[0].makes = Some(VersionId(0));
     draft.description.passes[0].name = "thief".into();
     let _ = filled;
     expect(

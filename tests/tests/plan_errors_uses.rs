@@ -7,7 +7,7 @@ mod plan_support;
 use plan_support::{COMPUTE, FRAGMENT, expect, expect_on, right};
 
 use ash::vk;
-use shadowgraph::graph::description::{Access, Origin, Queue, Shape};
+use shadowgraph::graph::description::{Access, Origin, Queue, Shape, VersionId};
 use shadowgraph::graph::plan::plan;
 use shadowgraph::graph::{ErrorKind, ImageShape};
 use shadowgraph_tests::hazard::{Draft, MadeUpDevice};
@@ -199,16 +199,17 @@ fn kept_roots_are_not_written_over() {
 fn passes_do_not_wait_for_one_another() {
     let mut draft = Draft::new("g");
     let (x, y) = (draft.buffer("x", 4), draft.buffer("y", 4));
-    let write = Access::storage_buffer_write(COMPUTE);
-    let x1 = draft.pass("a", Queue::Compute, |pass| pass.overwrite("x", x, write));
+    let [read, write] = [Access::storage_buffer_read(COMPUTE), Access::storage_buffer_write(COMPUTE)];
+    let later = VersionId(3);
+    let x1 = draft.pass("a", Queue::Compute, |pass| {
+        pass.read("y", later, read);
+        pass.overwrite("x", x, write)
+    });
     let y1 = draft.pass("b", Queue::Compute, |pass| {
-        pass.read("x", x1, Access::storage_buffer_read(COMPUTE));
+        pass.read("x", x1, read);
         pass.overwrite("y", y, write)
     });
-    let read = Access::storage_buffer_read(COMPUTE);
-    let used =
-        shadowgraph::graph::description::Use { slot: "y".into(), version: y1, makes: None, reads: true, access: read };
-    draft.description.passes[0].uses.push(used);
+    assert_eq!(y1, later);
     draft.capture("x", x1);
     expect(
         &draft,

@@ -2,9 +2,10 @@
 #![allow(clippy::unwrap_used)]
 
 use ash::vk::PipelineStageFlags2 as Stages;
-use shadowgraph::graph::description::{Access, Description, Queue, VersionId};
-use shadowgraph::graph::plan::{Hazard, Plan, plan};
-use shadowgraph_tests::hazard::{Draft, MadeUpDevice, check};
+use proptest::prelude::*;
+use shadowgraph::graph::description::{Access, Description, Queue, Range, Version, VersionId};
+use shadowgraph::graph::plan::{Hazard, Plan, Work, lifetimes, plan};
+use shadowgraph_tests::hazard::{Draft, MadeUpDevice, check, recipes};
 
 const FRAGMENT: Stages = Stages::FRAGMENT_SHADER;
 
@@ -162,4 +163,53 @@ fn roots_are_not_aliased_away() {
     let placement = kept.placement(shadowgraph::graph::description::ResourceId(0)).unwrap();
     assert_eq!(placement.steps, [0, kept.steps.len() - 1]);
     assert_eq!(kept.statistics.heap_bytes, 3 * 256);
+}
+
+/// What two ranges of one resource share.
+fn common(a: Range, b: Range) -> Range {
+    let both = |a: [u32; 2], b: [u32; 2]| [a[0].max(b[0]), a[1].min(b[1])];
+    match (a, b) {
+        (Range::Image { aspects, mips, layers }, Range::Image { aspects: a, mips: m, layers: l }) => {
+            Range::Image { aspects: aspects & a, mips: both(mips, m), layers: both(layers, l) }
+        }
+        (Range::Buffer(a), Range::Buffer(b)) => Range::Buffer([a[0].max(b[0]), a[1].min(b[1])]),
+        (a, _) => a,
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Lifetimes hold all that steps use, each part once, from the first step that uses it to the last.
+    #[test]
+    fn lifetimes_go_from_first_to_last_use(recipe in recipes(24)) {
+        let description = recipe.description();
+        let plan = plan(&description, &recipe.device()).unwrap();
+        let mut used: Vec<(usize, &Version)> = Vec::new();
+        for (index, step) in plan.steps.iter().enumerate() {
+            let mut add = |version: VersionId| used.push((index, &description.versions[version.0 as usize]));
+            match step.work {
+                Work::Pass(pass) => {
+                    let pass = &description.passes[pass.0 as usize];
+                    description.uses_of(pass).iter().for_each(|used| add(used.version));
+                }
+                Work::ReadBack(root) => add(description.roots[root].version),
+            }
+        }
+        let lifetimes = lifetimes(&description, &plan);
+        for (place, life) in lifetimes.iter().enumerate() {
+            let uses = used.iter().filter(|(_, v)| v.resource == life.resource && v.range.overlaps(&life.range));
+            let steps: Vec<usize> = uses.map(|(step, _)| *step).collect();
+            prop_assert_eq!(life.steps, [steps[0], steps[steps.len() - 1]], "{:?}", life);
+            let twice = lifetimes[..place].iter().any(|other| {
+                other.resource == life.resource && other.range.overlaps(&life.range)
+            });
+            prop_assert!(!twice, "{:?} is told twice", life);
+        }
+        for (step, version) in used {
+            let parts = lifetimes.iter().filter(|life| life.resource == version.resource);
+            let held = parts.map(|life| common(life.range, version.range));
+            prop_assert_eq!(held.map(|part| part.amount()).sum::<u64>(), version.range.amount(), "step {}", step);
+        }
+    }
 }

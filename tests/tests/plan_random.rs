@@ -129,8 +129,8 @@ fn spoil(description: &mut Description, [what, which, how, value, _]: [u8; 5]) {
             let [mips, layers] = [[u32::from(value), big], [0, big]];
             description.versions[version].range = Range::Image { aspects, mips, layers };
         }
-        9 | 10 if !description.passes.is_empty() && !description.passes[pass].uses.is_empty() => {
-            let uses = &mut description.passes[pass].uses;
+        9 | 10 if !description.uses_of_mut(PassId(pass as u32)).is_empty() => {
+            let uses = description.uses_of_mut(PassId(pass as u32));
             let index = usize::from(value) % uses.len();
             match how % 6 {
                 0 => uses[index].version = of,

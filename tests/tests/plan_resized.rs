@@ -9,7 +9,7 @@ use ash::vk;
 use plan_support::{COMPUTE, FRAGMENT};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
-use shadowgraph::graph::description::{Access, Description, Origin, Queue, Range, Shape};
+use shadowgraph::graph::description::{Access, Description, Origin, PassId, Queue, Range, Shape};
 use shadowgraph::graph::plan::{Planned, plan};
 use shadowgraph_tests::harness;
 use shadowgraph_tests::hazard::{Draft, MadeUpDevice, Recipe, recipes};
@@ -126,7 +126,7 @@ fn what_differs_in_more_than_sizes_is_planned_from_nothing() {
     assert!(refused(&|second| image(second, &|shape| shape.samples = 4)));
     assert!(refused(&|second| image(second, &|shape| shape.extent[0] = 0)));
     assert!(refused(&|second| second.passes[1].queue = Queue::Compute));
-    assert!(refused(&|second| second.passes[1].uses[0].access = Access::sampled(COMPUTE)));
+    assert!(refused(&|second| second.uses_of_mut(PassId(1))[0].access = Access::sampled(COMPUTE)));
     assert!(refused(&|second| second.passes[1].name = "other".into()));
     assert!(refused(&|second| second.roots.clear()));
     assert!(refused(&|second| second.resources[1].shape = Shape::Buffer { size: 16 }));

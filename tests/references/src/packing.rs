@@ -151,7 +151,7 @@ fn touched(description: &Description, work: &Work) -> Vec<(ResourceId, bool)> {
     let resource = |version: VersionId| description.versions[version.0 as usize].resource;
     match work {
         Work::Pass(pass) => {
-            let uses = &description.passes[pass.0 as usize].uses;
+            let uses = description.uses_of(&description.passes[pass.0 as usize]);
             uses.iter().map(|used| (resource(used.version), used.makes.is_some())).collect()
         }
         Work::ReadBack(root) => vec![(resource(description.roots[*root].version), false)],

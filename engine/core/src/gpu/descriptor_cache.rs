@@ -62,16 +62,29 @@ impl DescriptorCache {
         self.known.extend(self.made.iter().enumerate().map(|(place, made)| (made.key.clone(), place)));
     }
 
-    /// The set that holds this, for set number `set` of `pipeline`; as [`Gpu::descriptor_set`]. It can be used in this
-    /// frame, as long as what it points at lives.
+    /// The set that holds this, for set number `set` of `pipeline`; as [`Gpu::descriptor_set`], and null where it is to
+    /// hold nothing. It can be used in this frame, as long as what it points at lives. `descriptors` are gone through
+    /// once more where it has to be written.
     ///
     /// # Errors
-    /// As [`Gpu::descriptor_set`].
-    pub fn set(&mut self, pipeline: &Pipeline, set: u32, descriptors: &[(u32, Points)]) -> Result<vk::DescriptorSet> {
+    /// As [`Gpu::descriptor_set`]; what `descriptors` give.
+    pub fn set<'p>(
+        &mut self,
+        pipeline: &Pipeline,
+        set: u32,
+        descriptors: impl Iterator<Item = Result<(u32, Points<'p>)>> + Clone,
+    ) -> Result<vk::DescriptorSet> {
         // 1. Look for it. Pipelines may share a layout, but each has checks of its own on what is bound.
         self.key.clear();
         self.key.extend([pipeline.id(), u64::from(set)]);
-        descriptors.iter().for_each(|(binding, points)| push(&mut self.key, *binding, points));
+        let words = self.key.len();
+        for descriptor in descriptors.clone() {
+            let (binding, points) = descriptor?;
+            push(&mut self.key, binding, &points);
+        }
+        if self.key.len() == words {
+            return Ok(vk::DescriptorSet::null());
+        }
         let guess = self.asked_before.get(self.asked.len()).filter(|&&place| *self.made[place].key == *self.key);
         if let Some(&place) = guess.or_else(|| self.known.get(&self.key[..])) {
             self.asked.push(place);
@@ -83,7 +96,8 @@ impl DescriptorCache {
         // 2. Write it.
         let who = || set_of_pipeline(pipeline, set);
         let layout = layout_of(pipeline, set)?;
-        let descriptors: Vec<_> = descriptors.iter().map(|(binding, points)| (*binding, points.descriptor())).collect();
+        let descriptors = descriptors.map(|one| one.map(|(binding, points)| (binding, points.descriptor())));
+        let descriptors = descriptors.collect::<Result<Vec<_>>>()?;
         let writes = Writes::check(self.arena.device(), &who, layout, &descriptors)?;
         let raw = match self.free.get_mut(&layout.raw()).and_then(Vec::pop) {
             Some(free) => free,

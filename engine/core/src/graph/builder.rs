@@ -5,12 +5,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use ash::vk;
-use smallvec::smallvec;
 
 use super::checkpoint::Later;
 use super::description::{
     Access, Description, ImageShape, Origin, Pass, PassId, Queue, Range, Resource, ResourceId, Root, Shape, Source,
-    Use, Uses, Version, VersionId,
+    Use, Version, VersionId,
 };
 use super::errors::{ErrorKind, GraphError, GraphErrors};
 use super::execute::Asked;
@@ -31,8 +30,6 @@ pub struct Graph<'f> {
     pub(super) work: Vec<Work<'f>>,
     /// What lies behind the bindings of all passes.
     pub(super) bound: Vec<Bound>,
-    /// Uses of the pass that is being described.
-    pub(super) uses: Uses,
     /// Memory of imported resources, in the order of `description.resources`.
     pub(super) external: Vec<Option<External>>,
     /// Bytes for uniform and constant bindings of this frame.
@@ -99,7 +96,6 @@ impl<'f> Graph<'f> {
             description: Description { name: name.into(), ..Description::default() },
             work: Vec::new(),
             bound: Vec::new(),
-            uses: Uses::new(),
             external: Vec::new(),
             arena: Arena::default(),
             mistakes: Vec::new(),
@@ -170,27 +166,19 @@ impl<'f> Graph<'f> {
 
     /// Fills a buffer with a 32-bit value.
     pub fn fill(&mut self, name: impl Into<Name>, buffer: BufferHandle, value: u32) -> BufferHandle {
-        let pass = self.next_pass();
-        let (used, next) = self.written(pass, "destination", buffer, false, Access::transfer_write());
-        self.push_pass(
-            name.into(),
-            Queue::Transfer,
-            smallvec![used],
-            Work::Fill { resource: next.resource, range: next.range, value },
-        );
+        let pass = self.begin_pass();
+        let next = self.written(pass, "destination", buffer, false, Access::transfer_write());
+        let work = Work::Fill { resource: next.resource, range: next.range, value };
+        self.push_pass(name.into(), Queue::Transfer, work);
         next
     }
 
     /// Clears a colour image.
     pub fn clear(&mut self, name: impl Into<Name>, image: ImageHandle, value: vk::ClearColorValue) -> ImageHandle {
-        let pass = self.next_pass();
-        let (used, next) = self.written(pass, "destination", image, false, Access::transfer_write());
-        self.push_pass(
-            name.into(),
-            Queue::Graphics,
-            smallvec![used],
-            Work::Clear { resource: next.resource, range: next.range, value },
-        );
+        let pass = self.begin_pass();
+        let next = self.written(pass, "destination", image, false, Access::transfer_write());
+        let work = Work::Clear { resource: next.resource, range: next.range, value };
+        self.push_pass(name.into(), Queue::Graphics, work);
         next
     }
 
@@ -303,31 +291,36 @@ impl<'f> Graph<'f> {
         id
     }
 
-    /// The id that the next pushed pass gets.
-    pub(super) fn next_pass(&self) -> PassId {
+    /// The id that the next pushed pass gets. Uses of one that was begun and never pushed go.
+    pub(super) fn begin_pass(&mut self) -> PassId {
+        let first = self.first_use();
+        self.description.uses.truncate(first as usize);
         PassId(self.description.passes.len() as u32)
     }
 
-    pub(super) fn push_pass(&mut self, name: Name, queue: Queue, uses: Uses, work: Work<'f>) {
-        let counts = self.queries.last().is_some_and(|asked| asked.pass == self.next_pass());
+    /// Where the uses of the pass begin that is being described.
+    fn first_use(&self) -> u32 {
+        self.description.passes.last().map_or(0, |last| last.uses.end)
+    }
+
+    /// The pass that was begun, with the uses that were added since.
+    pub(super) fn push_pass(&mut self, name: Name, queue: Queue, work: Work<'f>) {
+        let description = &self.description;
+        let counts = self.queries.last().is_some_and(|asked| asked.pass.0 as usize == description.passes.len());
         let side_effect = counts.then(|| "the device counts over it".into());
+        let uses = self.first_use()..description.uses.len() as u32;
         self.description.passes.push(Pass { name, queue, uses, side_effect });
         self.work.push(work);
     }
 
-    /// The pass that was being described.
-    pub(super) fn push_collected(&mut self, name: Name, queue: Queue, work: Work<'f>) {
-        let uses = std::mem::take(&mut self.uses);
-        self.push_pass(name, queue, uses, work);
-    }
-
-    /// A use that reads.
-    pub(super) fn used(&mut self, slot: &'static str, handle: &impl Handle, access: Access) -> Use {
+    /// The pass being described reads.
+    pub(super) fn used(&mut self, slot: &'static str, handle: &impl Handle, access: Access) {
         self.check_owner(slot, handle);
-        Use { slot: slot.into(), version: handle.version(), makes: None, reads: true, access }
+        let version = handle.version();
+        self.description.uses.push(Use { slot: slot.into(), version, makes: None, reads: true, access });
     }
 
-    /// A use that writes: `reads` where the contents before it matter. Undefined contents never do.
+    /// The pass being described writes: `reads` where the contents before it matter. Undefined contents never do.
     pub(super) fn written<H: Handle>(
         &mut self,
         pass: PassId,
@@ -335,7 +328,7 @@ impl<'f> Graph<'f> {
         handle: H,
         reads: bool,
         access: Access,
-    ) -> (Use, H) {
+    ) -> H {
         self.check_previous(slot, &handle);
         self.replaced(pass, slot, handle, reads, access)
     }
@@ -348,12 +341,12 @@ impl<'f> Graph<'f> {
         handle: H,
         reads: bool,
         access: Access,
-    ) -> (Use, H) {
+    ) -> H {
         self.check_owner(slot, &handle);
-        let from = handle.version();
-        let makes = self.version(handle.resource(), handle.range(), Source::Pass { pass, from });
-        let used = Use { slot: slot.into(), version: from, makes: Some(makes), reads, access };
-        (used, handle.next(makes))
+        let version = handle.version();
+        let makes = self.version(handle.resource(), handle.range(), Source::Pass { pass, from: version });
+        self.description.uses.push(Use { slot: slot.into(), version, makes: Some(makes), reads, access });
+        handle.next(makes)
     }
 
     /// Whether a version still is as its resource began, undefined.

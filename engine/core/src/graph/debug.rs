@@ -15,11 +15,12 @@ impl Graph<'_> {
         let index = find_pass(&self.description, pass)?;
         self.known_fingerprint.set(None);
         let description = &mut self.description;
-        let pass = &mut description.passes[index];
-        pass.uses.retain(|used| used.makes.is_some());
+        description.retain_uses(PassId(index as u32), |used| used.makes.is_some());
+        let Description { passes, uses, versions, .. } = description;
+        let pass = &mut passes[index];
         let mut zero = Vec::new();
-        for used in &mut pass.uses {
-            let version = &description.versions[used.version.0 as usize];
+        for used in &mut uses[pass.uses.start as usize..pass.uses.end as usize] {
+            let version = &versions[used.version.0 as usize];
             // One of several unordered writers writes nothing, and leaves the others' alone.
             if !used.reads && !matches!(version.source, Source::Fork { .. }) {
                 zero.push((version.resource, version.range));
@@ -64,7 +65,7 @@ fn find_pass(description: &Description, pass: &str) -> Result<usize> {
 /// The version of a resource that a pass makes or uses, else the last one that is made before it.
 fn version_after(description: &Description, pass: usize, resource: ResourceId) -> Option<VersionId> {
     let of = |version: &VersionId| description.versions[version.0 as usize].resource == resource;
-    let uses = &description.passes[pass].uses;
+    let uses = description.uses_of(&description.passes[pass]);
     let made = uses.iter().filter_map(|used| used.makes).find(of);
     let used = || uses.iter().map(|used| used.version).find(of);
     let before = || {

@@ -6,10 +6,10 @@
 
 use std::borrow::Cow;
 use std::hash::{Hash, Hasher};
+use std::ops::Range as Span;
 
 use ash::vk;
 use rustc_hash::FxHasher;
-use smallvec::SmallVec;
 
 use super::name::Name;
 
@@ -24,6 +24,8 @@ pub struct Description {
     pub versions: Vec<Version>,
     /// In the order they were recorded.
     pub passes: Vec<Pass>,
+    /// What passes read and write, one pass behind the other: [`Description::uses_of`] gives those of one.
+    pub uses: Vec<Use>,
     /// Versions that must exist at the end of the frame.
     pub roots: Vec<Root>,
     /// Where the host reads something before it goes on, in order: they take the frame apart into segments.
@@ -33,29 +35,67 @@ pub struct Description {
 impl Description {
     /// Takes everything out, and keeps the room.
     pub(super) fn clear(&mut self) {
-        let Self { name, resources, versions, passes, roots, checkpoints } = self;
+        let Self { name, resources, versions, passes, uses, roots, checkpoints } = self;
         name.clear();
         resources.clear();
         versions.clear();
         passes.clear();
+        uses.clear();
         roots.clear();
         checkpoints.clear();
     }
 
     /// How much of everything there is.
     pub(super) fn counts(&self) -> [usize; 5] {
-        let Self { name: _, resources, versions, passes, roots, checkpoints } = self;
+        let Self { name: _, resources, versions, passes, uses: _, roots, checkpoints } = self;
         [resources.len(), versions.len(), passes.len(), roots.len(), checkpoints.len()]
+    }
+
+    /// What a pass reads and writes. Nothing where its span is not one of the description's uses.
+    pub fn uses_of(&self, pass: &Pass) -> &[Use] {
+        self.uses.get(pass.uses.start as usize..pass.uses.end as usize).unwrap_or_default()
+    }
+
+    /// As [`Description::uses_of`], to be changed; nothing of a pass that there is not.
+    pub fn uses_of_mut(&mut self, pass: PassId) -> &mut [Use] {
+        let span = self.passes.get(pass.0 as usize).map_or(0..0, |pass| pass.uses.clone());
+        self.uses.get_mut(span.start as usize..span.end as usize).unwrap_or_default()
+    }
+
+    /// Adds a pass with its uses behind the last one.
+    pub fn add_pass(&mut self, name: impl Into<Name>, queue: Queue, uses: impl IntoIterator<Item = Use>) -> PassId {
+        let first = self.uses.len() as u32;
+        self.uses.extend(uses);
+        let uses = first..self.uses.len() as u32;
+        self.passes.push(Pass { name: name.into(), queue, uses, side_effect: None });
+        PassId(self.passes.len() as u32 - 1)
+    }
+
+    /// Leaves of a pass's uses those that are wanted.
+    pub(super) fn retain_uses(&mut self, pass: PassId, wanted: impl Fn(&Use) -> bool) {
+        let Some(span) = self.passes.get(pass.0 as usize).map(|pass| pass.uses.clone()) else { return };
+        let (mut place, mut gone) = (0.., 0);
+        self.uses.retain(|used| {
+            let goes = place.next().is_some_and(|place| span.contains(&place)) && !wanted(used);
+            gone += u32::from(goes);
+            !goes
+        });
+        // What stands behind them moves up.
+        for uses in self.passes.iter_mut().map(|pass| &mut pass.uses) {
+            let moved = |end: u32| if end >= span.end { end - gone } else { end };
+            *uses = if uses.start == span.start { uses.start } else { moved(uses.start) }..moved(uses.end);
+        }
     }
 
     /// A number that tells frames apart that no plan serves both of: of everything but names.
     pub(super) fn fingerprint(&self) -> u64 {
-        let Self { name: _, resources, versions, passes, roots, checkpoints } = self;
+        let Self { name: _, resources, versions, passes, uses: _, roots, checkpoints } = self;
         let mut hasher = FxHasher::default();
         [resources.len(), passes.len(), roots.len(), checkpoints.len()].hash(&mut hasher);
         versions.hash(&mut hasher);
         resources.iter().for_each(|Resource { name: _, shape, origin }| (shape, origin).hash(&mut hasher));
-        for Pass { name: _, queue, uses, side_effect } in passes {
+        for pass in passes {
+            let (Pass { queue, side_effect, .. }, uses) = (pass, self.uses_of(pass));
             (queue, uses.len(), side_effect.is_some()).hash(&mut hasher);
             uses.iter().for_each(|used| (used.version, used.makes, used.reads, used.access).hash(&mut hasher));
         }
@@ -119,7 +159,7 @@ pub enum Shape {
 }
 
 /// Size and format of an image. Two-dimensional where `extent[2]` is 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ImageShape {
     /// Texel format.
     pub format: vk::Format,
@@ -184,7 +224,7 @@ pub struct Access {
 }
 
 /// Part of a resource.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Range {
     /// Of an image: aspects, `[first, end)` of mips and of layers.
     Image {
@@ -197,6 +237,32 @@ pub enum Range {
     },
     /// Of a buffer: `[first, end)` in bytes.
     Buffer([u64; 2]),
+}
+
+/// Two numbers as one.
+fn pair([first, second]: [u32; 2]) -> u64 {
+    u64::from(first) << 32 | u64::from(second)
+}
+
+impl Hash for ImageShape {
+    /// In few words: frames have thousands of them.
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let Self { format, extent: [width, height, depth], mips, layers, samples } = *self;
+        [[format.as_raw() as u32, width], [height, depth], [mips, layers], [samples, 0]]
+            .into_iter()
+            .for_each(|two| state.write_u64(pair(two)));
+    }
+}
+
+impl Hash for Range {
+    /// In few words: frames have thousands of them.
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let words = match *self {
+            Range::Image { aspects, mips, layers } => [aspects.as_raw().into(), pair(mips), pair(layers)],
+            Range::Buffer([first, end]) => [u64::MAX, first, end],
+        };
+        words.into_iter().for_each(|word| state.write_u64(word));
+    }
 }
 
 impl Range {
@@ -323,14 +389,11 @@ pub struct Pass {
     pub name: Name,
     /// Queue it would like to run on.
     pub queue: Queue,
-    /// What it reads and writes.
-    pub uses: Uses,
+    /// Its places among [`Description::uses`].
+    pub uses: Span<u32>,
     /// A reason why it runs although nobody reads what it writes.
     pub side_effect: Option<String>,
 }
-
-/// Uses of a pass: most passes have few.
-pub type Uses = SmallVec<[Use; 3]>;
 
 /// Kind of queue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]

@@ -7,7 +7,6 @@
 use std::collections::HashMap;
 
 use ash::vk;
-use smallvec::smallvec;
 
 use super::builder::Graph;
 use super::description::{Access, ImageShape, Origin, Queue, Range, ResourceId, Shape, State};
@@ -154,10 +153,10 @@ impl Graph<'_> {
 
     /// The pass that gives the first frame something to read.
     fn begin<H: Handle>(&mut self, key: &str, previous: H, work: Work<'static>) -> H {
-        let pass = self.next_pass();
-        let (used, next) = self.replaced(pass, "destination", previous, false, Access::transfer_write());
+        let pass = self.begin_pass();
+        let next = self.replaced(pass, "destination", previous, false, Access::transfer_write());
         let queue = if matches!(work, Work::Fill { .. }) { Queue::Transfer } else { Queue::Graphics };
-        self.push_pass(format!("begin {key}").into(), queue, smallvec![used], work);
+        self.push_pass(format!("begin {key}").into(), queue, work);
         next
     }
 

@@ -3,8 +3,8 @@
 use ash::vk;
 use shadowgraph::graph::ImageShape;
 use shadowgraph::graph::description::{
-    Access, Checkpoint, Description, Origin, Pass, PassId, Queue, Range, Resource, ResourceId, Root, Shape, Source,
-    Use, Version, VersionId,
+    Access, Checkpoint, Description, Origin, PassId, Queue, Range, Resource, ResourceId, Root, Shape, Source, Use,
+    Version, VersionId,
 };
 
 /// A description being written.
@@ -83,12 +83,7 @@ impl Draft {
         let mut draft = PassDraft { description: &mut self.description, pass, uses: Vec::new() };
         let result = uses(&mut draft);
         let uses = draft.uses;
-        self.description.passes.push(Pass {
-            name: name.to_owned().into(),
-            queue,
-            uses: uses.into(),
-            side_effect: None,
-        });
+        self.description.add_pass(name, queue, uses);
         result
     }
 

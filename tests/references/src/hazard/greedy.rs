@@ -31,7 +31,7 @@ pub fn greedy_calls(description: &Description, plan: &Plan, device: &dyn DeviceM
     for step in &plan.steps {
         let uses: Vec<(VersionId, Option<VersionId>, Access)> = match step.work {
             Work::Pass(pass) => {
-                let uses = &description.passes[pass.0 as usize].uses;
+                let uses = description.uses_of(&description.passes[pass.0 as usize]);
                 uses.iter().map(|used| (used.version, used.makes, used.access)).collect()
             }
             Work::ReadBack(root) => vec![(description.roots[root].version, None, Access::copy_read())],

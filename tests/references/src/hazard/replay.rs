@@ -288,9 +288,10 @@ impl<'a> Replay<'a> {
             Work::Pass(pass) => {
                 let pass = &description.passes[pass.0 as usize];
                 let who = format!("pass `{}`", pass.name);
-                for (index, used) in pass.uses.iter().enumerate() {
+                let uses = description.uses_of(pass);
+                for (index, used) in uses.iter().enumerate() {
                     self.hold_against(used, &who, queue);
-                    for other in &pass.uses[..index] {
+                    for other in &uses[..index] {
                         let [a, b] = [used, other].map(|used| description.versions[used.version.0 as usize].resource);
                         let writes = used.makes.is_some() || other.makes.is_some();
                         if writes && self.sharers[a.0 as usize].contains(&b) {
@@ -299,7 +300,7 @@ impl<'a> Replay<'a> {
                         }
                     }
                 }
-                for used in &pass.uses {
+                for used in uses {
                     self.leave(used, &who, queue, batch);
                 }
             }

@@ -90,8 +90,7 @@ impl Executor<'_> {
         let mut memories = turns.memories(memory).peekable();
         while let Some(memory) = memories.next() {
             let left = if memories.peek().is_some() { pipelines.clone() } else { std::mem::take(&mut pipelines) };
-            let (cache, contents) = (&mut descriptors, Vec::new());
-            let mut sets = Sets { gpu, memory: &memory, bound, arena, cache, contents };
+            let sets = Sets { gpu, memory: &memory, bound, arena };
             let (mut barriers, validated) = (Batches::with_capacity(plan), gpu.is_validated());
             let mut programs = Vec::with_capacity(left.len());
             let mut left = left.into_iter();
@@ -101,7 +100,7 @@ impl Executor<'_> {
                     Step::Pass(PassId(pass)) => {
                         let (name, work) = (&description.passes[pass as usize].name, &work[pass as usize]);
                         let first = programs.len();
-                        sets.ready(name, work, &mut left, &mut programs)?;
+                        sets.ready(name, work, &mut left, &mut descriptors, &mut programs)?;
                         Task::Pass { pass, programs: first..programs.len() }
                     }
                     Step::ReadBack(root) => Task::ReadBack(root),

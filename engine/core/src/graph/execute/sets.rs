@@ -20,18 +20,16 @@ pub(super) struct Sets<'a> {
     pub(super) bound: &'a [Bound],
     /// Bytes of the frame.
     pub(super) arena: Option<&'a Buffer>,
-    pub(super) cache: &'a mut DescriptorCache,
-    /// Of the set that is made.
-    pub(super) contents: Vec<(u32, Points<'a>)>,
 }
 
 impl<'a> Sets<'a> {
     /// The next pipelines, a pass's, each with its set 0.
     pub(super) fn ready(
-        &mut self,
+        &self,
         pass: &Name,
         work: &Work,
         pipelines: &mut impl Iterator<Item = Pipeline>,
+        cache: &mut DescriptorCache,
         ready: &mut Vec<Ready>,
     ) -> Result<()> {
         let (count, bound) = match work {
@@ -41,16 +39,12 @@ impl<'a> Sets<'a> {
         };
         let bound = &self.bound[bound.clone()];
         for pipeline in pipelines.take(count) {
-            self.contents.clear();
-            for wanted in pipeline.bindings().iter().filter(|wanted| wanted.binding.set == 0) {
-                let number = wanted.binding.binding;
-                let Some(found) = bound.iter().find(|bound| bound.binding == number) else { continue };
-                self.contents.push((number, self.points(pass, found, &wanted.binding)?));
-            }
-            let set = match self.contents.is_empty() {
-                true => vk::DescriptorSet::null(),
-                false => self.cache.set(&pipeline, 0, &self.contents)?,
-            };
+            let wanted = pipeline.bindings().iter().map(|wanted| &wanted.binding).filter(|binding| binding.set == 0);
+            let found = wanted.filter_map(|wanted| {
+                let found = bound.iter().find(|bound| bound.binding == wanted.binding)?;
+                Some(self.points(pass, found, wanted).map(|points| (wanted.binding, points)))
+            });
+            let set = cache.set(&pipeline, 0, found)?;
             ready.push(Ready { pipeline, set });
         }
         Ok(())

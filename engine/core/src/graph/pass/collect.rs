@@ -61,8 +61,7 @@ impl Shaders {
 
 impl Collected {
     pub(super) fn new(graph: &mut Graph, name: Name, shaders: Shaders) -> Self {
-        graph.uses.clear();
-        let (pass, first_bound) = (graph.next_pass(), graph.bound.len());
+        let (pass, first_bound) = (graph.begin_pass(), graph.bound.len());
         Self { pass, name, shaders, first_bound, counted: Vec::new() }
     }
 
@@ -106,8 +105,7 @@ impl Collected {
                 Access::sampled(stages)
             }
         };
-        let used = graph.used(binding.name, handle, access);
-        graph.uses.push(used);
+        graph.used(binding.name, handle, access);
         let what =
             What::Resource { resource: handle.resource(), range: handle.range(), layout: access.layout, sampler };
         graph.bound.push(Bound { binding: binding.binding, what });
@@ -130,8 +128,7 @@ impl Collected {
             layout: access.layout,
             sampler: SamplerInfo::nearest(),
         };
-        let (used, next) = graph.written(self.pass, binding.name, handle, reads, access);
-        graph.uses.push(used);
+        let next = graph.written(self.pass, binding.name, handle, reads, access);
         graph.bound.push(Bound { binding: binding.binding, what });
         next
     }
@@ -150,7 +147,8 @@ impl Collected {
 
     pub(super) fn finish(self, graph: &mut Graph) -> (Name, Range<usize>) {
         let (shaders, mine) = (self.shaders.all(), self.first_bound..graph.bound.len());
-        for (index, shader) in shaders.iter().enumerate() {
+        let all = if are_bound_once(shaders, &graph.bound[mine.clone()]) { &[] } else { shaders };
+        for (index, shader) in all.iter().enumerate() {
             for binding in shader.bindings.iter().filter(|binding| binding.set == 0) {
                 let bound = graph.bound[mine.clone()].iter();
                 let count = bound.filter(|bound| bound.binding == binding.binding).count();
@@ -167,6 +165,20 @@ impl Collected {
         }
         (self.name, mine)
     }
+}
+
+/// Whether it is plain to see that each binding of set 0 is bound once.
+fn are_bound_once(shaders: &[&Shader], bound: &[Bound]) -> bool {
+    let bit = |binding: u32| 1_u64.checked_shl(binding).unwrap_or(0);
+    let mut seen = 0;
+    for bit in bound.iter().map(|bound| bit(bound.binding)) {
+        if bit == 0 || seen & bit != 0 {
+            return false;
+        }
+        seen |= bit;
+    }
+    let mut bindings = shaders.iter().flat_map(|shader| shader.bindings).filter(|binding| binding.set == 0);
+    bindings.all(|binding| seen & bit(binding.binding) != 0)
 }
 
 fn stage(stage: Stage) -> vk::PipelineStageFlags2 {

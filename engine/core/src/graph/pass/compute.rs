@@ -70,11 +70,11 @@ impl<'g, 'f> ComputePass<'g, 'f> {
             let allowed = "three u32 within the buffer, at a multiple of 4".into();
             self.graph.mistake(Some(&self.collected.name), Some("indirect dispatch"), wrong, allowed);
         }
-        let used = self.graph.used("indirect dispatch", groups, Access::indirect());
-        self.graph.uses.push(used);
+        self.graph.used("indirect dispatch", groups, Access::indirect());
         self.finish(Groups::Indirect(groups.resource, offset));
     }
 
+    #[inline]
     fn finish(self, groups: Groups) {
         let Self { graph, collected, shader, constants, push } = self;
         let expected = shader.push.map_or(0, |block| block.size as usize);
@@ -84,6 +84,6 @@ impl<'g, 'f> ComputePass<'g, 'f> {
             graph.mistake(Some(&collected.name), Some("push constants"), wrong, allowed);
         }
         let (name, bound) = collected.finish(graph);
-        graph.push_collected(name, Queue::Compute, Work::Compute { shader, constants, bound, push, groups });
+        graph.push_pass(name, Queue::Compute, Work::Compute { shader, constants, bound, push, groups });
     }
 }

@@ -132,7 +132,7 @@ impl<'g, 'f> RasterPass<'g, 'f> {
         }
         let (name, bound) = collected.finish(graph);
         let raster = Raster { programs, targets, attachments, bound, draw: Box::new(draw) };
-        graph.push_collected(name, Queue::Graphics, Work::Raster(Box::new(raster)));
+        graph.push_pass(name, Queue::Graphics, Work::Raster(Box::new(raster)));
     }
 
     fn color_attachment(
@@ -156,9 +156,7 @@ impl<'g, 'f> RasterPass<'g, 'f> {
         }
         self.targets.color[location] = handle.shape.format;
         self.attachments.color[location] = Some(attachment(&handle, access, load, vk::AttachmentStoreOp::STORE, clear));
-        let (used, next) = self.graph.written(self.collected.pass, output.name, handle, reads, access);
-        self.graph.uses.push(used);
-        next
+        self.graph.written(self.collected.pass, output.name, handle, reads, access)
     }
 
     fn tested(
@@ -170,17 +168,14 @@ impl<'g, 'f> RasterPass<'g, 'f> {
         let access = Access::depth_attachment_write();
         let reads = load == vk::AttachmentLoadOp::LOAD;
         self.attach(test, &handle, attachment(&handle, access, load, vk::AttachmentStoreOp::STORE, clear));
-        let (used, next) = self.graph.written(self.collected.pass, test.name(), handle, reads, access);
-        self.graph.uses.push(used);
-        next
+        self.graph.written(self.collected.pass, test.name(), handle, reads, access)
     }
 
     fn only_tested(&mut self, test: Test, handle: &ImageHandle) -> &mut Self {
         let access = Access::depth_attachment_read();
         let (load, store) = (vk::AttachmentLoadOp::LOAD, vk::AttachmentStoreOp::NONE);
         self.attach(test, handle, attachment(handle, access, load, store, vk::ClearValue::default()));
-        let used = self.graph.used(test.name(), handle, access);
-        self.graph.uses.push(used);
+        self.graph.used(test.name(), handle, access);
         self
     }
 

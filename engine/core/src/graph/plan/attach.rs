@@ -4,24 +4,49 @@ use ash::vk::ImageLayout as Layout;
 
 use super::barriers::{AllPending, Context, Kind, Pending, Scope};
 use super::history::At;
-use super::{Barriers, BufferBarrier, Hazard, ImageBarrier, MemoryBarrier, Plan, Reason, Work};
+use super::{Barriers, Batch, BufferBarrier, Hazard, ImageBarrier, MemoryBarrier, Plan, Reason, Work};
 use crate::graph::description::{Access, Range, ResourceId};
 
-/// Puts each barrier before its step, at the end of its batch, or at the end of the frame.
-pub(super) fn attach(plan: &mut Plan, context: &Context, pending: &AllPending) {
-    let mut batch_of = vec![0; if plan.is_single_queue() { 0 } else { plan.steps.len() }];
-    for (index, batch) in plan.batches.iter().enumerate().skip(1) {
-        batch.steps.iter().for_each(|&step| batch_of[step] = index);
+/// Barriers on their way to their places.
+pub(super) struct Attach<'a> {
+    context: &'a Context<'a>,
+    all: &'a [Pending],
+    /// Those that are not in their places yet, in order.
+    rest: &'a [u32],
+    /// By step: its batch. Nothing where there is but one.
+    batch_of: &'a [usize],
+    alike: Alike,
+}
+
+impl<'a> Attach<'a> {
+    pub(super) fn new(context: &'a Context<'a>, pending: &'a AllPending, batch_of: &'a [usize]) -> Self {
+        Self { context, all: &pending.list, rest: &pending.order, batch_of, alike: Vec::new() }
     }
-    let mut alike = Vec::new();
-    for place in pending.order.chunk_by(|&a, &b| pending.place(a) == pending.place(b)) {
-        let (at, release) = pending.place(place[0]);
-        let barriers = match (release, at.index()) {
-            (true, step) => &mut plan.batches[step.and_then(|step| batch_of.get(step)).copied().unwrap_or(0)].release,
-            (false, Some(step)) => &mut plan.steps[step].barriers,
-            (false, None) => &mut plan.finally,
+
+    /// Puts those up to a moment in their places: before it, or at the end of the batch of a step that they release
+    /// behind.
+    pub(super) fn up_to(&mut self, at: At, before: &mut Barriers, batches: &mut [Batch]) {
+        let key = |index: u32| {
+            let barrier = &self.all[index as usize];
+            (barrier.at, barrier.release, self.context.resource(barrier))
         };
-        together(context, &pending.list, place, &mut alike, barriers);
+        while let Some(&first) = self.rest.first() {
+            let (place, release, resource) = key(first);
+            if place > at {
+                return;
+            }
+            let others = self.rest[1..].iter().take_while(|&&other| key(other) == (place, release, resource));
+            let (same, rest) = self.rest.split_at(1 + others.count());
+            let barriers = match release {
+                true => {
+                    let batch = place.index().and_then(|step| self.batch_of.get(step)).copied();
+                    &mut batches[batch.unwrap_or(0)].release
+                }
+                false => &mut *before,
+            };
+            together(self.context, self.all, (resource, same), &mut self.alike, barriers);
+            self.rest = rest;
+        }
     }
 }
 
@@ -39,34 +64,37 @@ pub(super) fn show_host(plan: &mut Plan) {
 /// Barriers of one resource, each with its cells.
 type Alike = Vec<(Kind, Vec<u32>)>;
 
-/// Puts barriers of one place together: cells that share one become ranges. `place`: their numbers among all.
-/// `alike`: room for what is alike.
-fn together(context: &Context, all: &[Pending], place: &[u32], alike: &mut Alike, barriers: &mut Barriers) {
-    let resource_of = |&index: &u32| context.resource(&all[index as usize]);
-    for chunk in place.chunk_by(|a, b| resource_of(a) == resource_of(b)) {
-        let resource = resource_of(&chunk[0]);
-        if context.versions.cells.of(resource).len() == 1 {
-            let kind = |index: u32| &all[index as usize].kind;
-            for (place, &index) in chunk.iter().enumerate() {
-                if !chunk[..place].iter().any(|&known| kind(known) == kind(index)) {
-                    add(context, resource, kind(index), context.versions.cells.whole(resource), barriers);
-                }
-            }
-            continue;
-        }
-        alike.clear();
-        for barrier in chunk.iter().map(|&index| &all[index as usize]) {
-            match alike.iter_mut().find(|(kind, _)| *kind == barrier.kind) {
-                Some((_, cells)) => cells.push(barrier.cell),
-                None => alike.push((barrier.kind, vec![barrier.cell])),
+/// Puts barriers of one resource and place together: cells that share one become ranges. `same`: their numbers among
+/// all. `alike`: room for what is alike.
+fn together(
+    context: &Context,
+    all: &[Pending],
+    (resource, same): (ResourceId, &[u32]),
+    alike: &mut Alike,
+    barriers: &mut Barriers,
+) {
+    let kind = |index: u32| &all[index as usize].kind;
+    if context.versions.cells.of(resource).len() == 1 {
+        for (place, &index) in same.iter().enumerate() {
+            if !same[..place].iter().any(|&known| kind(known) == kind(index)) {
+                add(context, resource, kind(index), context.versions.cells.whole(resource), barriers);
             }
         }
-        for (kind, cells) in &*alike {
-            let ranges = context.versions.cells.ranges(cells);
-            // One for all memory does for all parts.
-            let count = if kind.scope == Scope::Memory { 1 } else { ranges.len() };
-            ranges.into_iter().take(count).for_each(|range| add(context, resource, kind, range, barriers));
+        return;
+    }
+    alike.clear();
+    for &index in same {
+        let cell = all[index as usize].cell;
+        match alike.iter_mut().find(|(known, _)| known == kind(index)) {
+            Some((_, cells)) => cells.push(cell),
+            None => alike.push((*kind(index), vec![cell])),
         }
+    }
+    for (kind, cells) in &*alike {
+        let ranges = context.versions.cells.ranges(cells);
+        // One for all memory does for all parts.
+        let count = if kind.scope == Scope::Memory { 1 } else { ranges.len() };
+        ranges.into_iter().take(count).for_each(|range| add(context, resource, kind, range, barriers));
     }
 }
 

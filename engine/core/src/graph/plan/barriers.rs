@@ -35,15 +35,14 @@ pub(super) struct AllPending {
 }
 
 impl AllPending {
-    /// Where a barrier stands, and whether it releases.
-    pub(super) fn place(&self, index: u32) -> (At, bool) {
-        let barrier = &self.list[index as usize];
-        (barrier.at, barrier.release)
-    }
-
     /// Puts them in order again. `steps`: how many there are.
     pub(super) fn sort(&mut self, steps: usize) {
         let place = |barrier: &Pending| 2 * barrier.at.place(steps) + usize::from(barrier.release);
+        // Those of a chain come in order.
+        if self.list.is_sorted_by_key(place) {
+            self.order = (0..self.list.len() as u32).collect();
+            return;
+        }
         let places = (0..).zip(&self.list).map(|(index, barrier)| (place(barrier), index));
         self.order = Lists::new(2 * (steps + 2), places).into_all();
     }
@@ -204,14 +203,16 @@ impl Found {
             }
         }
         let from = Access { stages: latest(readers), ..Access::NONE };
-        // A semaphore made all of it available; a transition has to come behind the semaphore.
-        let relying = match (is_image, from.stages.is_empty()) {
-            (false, _) => first.access.stages,
-            (true, true) => any(first.access.stages),
-            (true, false) => any(from.stages),
-        };
         let relies = self.reliances.len();
-        semaphores.iter().for_each(|group| self.rely(group, first, relying, !is_image));
+        if !semaphores.is_empty() {
+            // A semaphore made all of it available; a transition has to come behind the semaphore.
+            let relying = match (is_image, from.stages.is_empty()) {
+                (false, _) => first.access.stages,
+                (true, true) => any(first.access.stages),
+                (true, false) => any(from.stages),
+            };
+            semaphores.iter().for_each(|group| self.rely(group, first, relying, !is_image));
+        }
         let hazard = old.map_or(Hazard::First, |(_, old)| Hazard::Alias { old });
         let before = old.map_or(At::START, |(at, _)| at);
         let kind = Kind { scope: Scope::Resource, from, to, ownership: None, hazard, before, after };

@@ -62,7 +62,7 @@ impl Need<'_> {
     fn pass(&mut self, index: usize) {
         if !std::mem::replace(&mut self.live[index], true) {
             let description = self.description;
-            for used in &description.passes[index].uses {
+            for used in description.uses_of(&description.passes[index]) {
                 if used.reads || used.makes.is_none() {
                     self.version(used.version);
                 }
@@ -98,7 +98,7 @@ fn readers(description: &Description) -> Readers {
     let count = description.versions.len();
     let mut readers = Readers { passes: vec![Vec::new(); count], versions: vec![Vec::new(); count] };
     for (index, pass) in description.passes.iter().enumerate() {
-        pass.uses.iter().for_each(|used| readers.passes[used.version.0 as usize].push(index as u32));
+        description.uses_of(pass).iter().for_each(|used| readers.passes[used.version.0 as usize].push(index as u32));
     }
     for (index, version) in description.versions.iter().enumerate() {
         let sources = match &version.source {
@@ -112,7 +112,7 @@ fn readers(description: &Description) -> Readers {
 
 /// Why a pass does not run, after the first of its outputs that somebody uses.
 fn reason(description: &Description, readers: &Readers, live: &[bool], pass: usize) -> CullReason {
-    let made: Vec<_> = description.passes[pass].uses.iter().filter_map(|used| used.makes).collect();
+    let made: Vec<_> = description.uses_of(&description.passes[pass]).iter().filter_map(|used| used.makes).collect();
     if made.is_empty() {
         return CullReason::WritesNothing;
     }
@@ -123,7 +123,7 @@ fn reason(description: &Description, readers: &Readers, live: &[bool], pass: usi
         while let Some(version) = waiting.pop() {
             waiting.extend(&readers.versions[version as usize]);
             for &user in &readers.passes[version as usize] {
-                let uses = &description.passes[user as usize].uses;
+                let uses = description.uses_of(&description.passes[user as usize]);
                 let reads = uses.iter().any(|used| used.version.0 == version && (used.reads || used.makes.is_none()));
                 if reads && !live[user as usize] {
                     return CullReason::OnlyCulledRead { resource, reader: PassId(user) };
@@ -147,7 +147,7 @@ pub(super) fn check_kept(description: &Description, versions: &Versions, live: &
     let mut errors = Vec::new();
     for root in description.roots.iter().filter(|root| !root.read_back) {
         let later = |pass: &&crate::graph::description::Pass| {
-            pass.uses.iter().any(|used| {
+            description.uses_of(pass).iter().any(|used| {
                 used.makes.is_some()
                     && versions.cells.slots(root.version.0 as usize).any(|slot| {
                         let other = versions.cells.slot(used.version.0 as usize, versions.cells.cell(slot));

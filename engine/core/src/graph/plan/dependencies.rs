@@ -14,7 +14,7 @@ pub(super) struct Event {
     pub(super) time: u32,
     /// Who.
     pub(super) node: Node,
-    /// Which of the pass's uses it is; 0 of a read-back.
+    /// Its place among the description's uses; 0 of a read-back.
     pub(super) used: u32,
 }
 
@@ -26,17 +26,19 @@ impl Events {
     pub(super) fn new(description: &Description, versions: &Versions) -> Self {
         // 1. In recorded order.
         let most = versions.cells.slot_count() + description.roots.len();
-        let mut recorded: Vec<(usize, Event)> = Vec::with_capacity(most);
+        let mut recorded: Vec<(u32, Event)> = Vec::with_capacity(most);
         let mut add = |node: Node, used: u32, version: VersionId, writes: bool| {
             for slot in versions.cells.slots(version.0 as usize) {
-                let (cell, time) = (versions.cells.cell(slot), 2 * versions.epoch[slot] + u32::from(writes));
-                recorded.push((cell as usize, Event { time, node, used }));
+                let time = 2 * versions.epoch[slot] + u32::from(writes);
+                recorded.push((versions.cells.cell(slot), Event { time, node, used }));
             }
         };
         for (node, pass) in description.passes.iter().enumerate() {
-            for (index, used) in pass.uses.iter().enumerate().filter(|(_, used)| versions.is_known(used.version)) {
-                let writes = used.makes.is_some_and(|made| versions.is_known(made));
-                add(node as Node, index as u32, used.version, writes);
+            for (place, used) in (pass.uses.start..).zip(description.uses_of(pass)) {
+                if versions.is_known(used.version) {
+                    let writes = used.makes.is_some_and(|made| versions.is_known(made));
+                    add(node as Node, place, used.version, writes);
+                }
             }
         }
         let passes = description.passes.len() as Node;
@@ -47,7 +49,8 @@ impl Events {
         }
 
         // 2. By cell, and there by time: most come in order.
-        let mut events = Self(Lists::new(versions.cells.len(), recorded.iter().copied()));
+        let mut events =
+            Self(Lists::new(versions.cells.len(), recorded.iter().map(|&(cell, event)| (cell as usize, event))));
         (0..events.cells()).for_each(|cell| events.sort(cell, |event| event.time));
         events
     }
@@ -93,7 +96,7 @@ impl Dependencies {
     /// From events in order. `nodes`: how many there are.
     pub(super) fn new(events: &Events, nodes: usize) -> Self {
         // 1. The users of one time wait for those of the time before.
-        let mut edges: Vec<(usize, (Node, u32))> = Vec::with_capacity(events.len());
+        let mut edges: Vec<(Node, (Node, u32))> = Vec::with_capacity(events.len());
         let mut forward = true;
         for cell in 0..events.cells() {
             let mut sets = events.of(cell).chunk_by(|a, b| a.time == b.time);
@@ -102,7 +105,7 @@ impl Dependencies {
                 for from in earlier {
                     for to in later.iter().filter(|to| to.node != from.node) {
                         forward &= from.node < to.node;
-                        edges.push((from.node as usize, (to.node, cell)));
+                        edges.push((from.node, (to.node, cell)));
                     }
                 }
                 earlier = later;
@@ -110,9 +113,18 @@ impl Dependencies {
         }
 
         // 2. By node, each once, for the first cell that asks for it.
-        let mut after = Lists::new(nodes, edges.iter().copied());
-        (0..nodes).for_each(|node| after.of_mut(node).sort_unstable());
-        after.retain(|last, (to, _)| last.is_none_or(|(last, _)| last != to));
+        let mut after = Lists::new(nodes, edges.iter().map(|&(from, edge)| (from as usize, edge)));
+        let mut doubled = false;
+        for node in 0..nodes {
+            let after = after.of_mut(node);
+            if after.len() > 1 {
+                after.sort_unstable();
+                doubled |= after.windows(2).any(|pair| pair[0].0 == pair[1].0);
+            }
+        }
+        if doubled {
+            after.retain(|last, (to, _)| last.is_none_or(|(last, _)| last != to));
+        }
         Self { after, forward }
     }
 

@@ -11,12 +11,18 @@ pub(super) fn gather(pending: &mut AllPending, schedule: &Schedule, crossings: &
     let waits = waits(schedule, crossings.iter().map(|crossing| crossing.to).chain(takers.iter().copied()));
     // By queue: where some barrier stands, ascending. What only orders comes last: others may order as much.
     let mut places: [Vec<At>; 3] = Default::default();
+    let (mut moved, mut some_order) = (false, false);
     for orders in [false, true] {
+        if orders && !some_order {
+            break;
+        }
         // By queue: how many of the places are passed, and the last one, which may be new.
         let (mut passed, mut last) = ([0; 3], [None; 3]);
         for &index in &pending.order {
             let barrier = &mut pending.list[index as usize];
-            if barrier.release || barrier.only_orders() != orders {
+            let only_orders = barrier.only_orders();
+            some_order |= only_orders;
+            if barrier.release || only_orders != orders {
                 continue;
             }
             let Some(step) = barrier.at.index() else { continue };
@@ -29,7 +35,12 @@ pub(super) fn gather(pending: &mut AllPending, schedule: &Schedule, crossings: &
             }
             let here = |before: Option<usize>| before.is_none_or(|step| schedule.queues[step] == queue);
             match *last {
-                Some(place) if place > barrier.behind && place >= waits[step] && here(barrier.behind.index()) => {
+                Some(place)
+                    if place > barrier.behind
+                        && waits.get(step).is_none_or(|wait| place >= *wait)
+                        && here(barrier.behind.index()) =>
+                {
+                    moved |= barrier.at != place;
                     barrier.at = place;
                 }
                 Some(place) if place == barrier.at => {}
@@ -43,11 +54,18 @@ pub(super) fn gather(pending: &mut AllPending, schedule: &Schedule, crossings: &
             }
         }
     }
-    pending.sort(schedule.nodes.len());
+    if moved {
+        pending.sort(schedule.nodes.len());
+    }
 }
 
 /// By step: the last step up to it that its queue waits for another one before. What a semaphore orders comes behind.
+/// Nothing where no queue waits.
 fn waits(schedule: &Schedule, waiting: impl Iterator<Item = usize>) -> Vec<At> {
+    let mut waiting = waiting.peekable();
+    if waiting.peek().is_none() {
+        return Vec::new();
+    }
     let mut waits = vec![At::START; schedule.queues.len()];
     for step in waiting {
         if let Some(wait) = waits.get_mut(step) {

@@ -96,14 +96,14 @@ impl History {
             history.groups.extend(arrives(description, versions, cell));
             events.sort(cell, |event| steps[event.node as usize]);
             for event in events.of(cell) {
-                let at = At::step(steps[event.node as usize] as usize);
-                let queue = schedule.queues[steps[event.node as usize] as usize];
-                let (access, makes, reads) = match description.passes.get(event.node as usize) {
-                    Some(pass) => {
-                        let used = &pass.uses[event.used as usize];
+                let step = steps[event.node as usize] as usize;
+                let (at, queue) = (At::step(step), schedule.queues[step]);
+                let (access, makes, reads) = match (event.node as usize) < description.passes.len() {
+                    true => {
+                        let used = &description.uses[event.used as usize];
                         (used.access, used.makes, used.reads)
                     }
-                    None => (Access::copy_read(), None, true),
+                    false => (Access::copy_read(), None, true),
                 };
                 history.push(
                     from,
@@ -158,8 +158,8 @@ impl Group {
             _ => false,
         };
         // What the frame began with is visible to no more than it says: only reads that it covers belong to it.
-        let covered = !self.write && holds(&self.access, &next.access);
-        alike && self.queue == next.queue && (self.first != At::START || covered)
+        let covered = || !self.write && holds(&self.access, &next.access);
+        alike && self.queue == next.queue && (self.first != At::START || covered())
     }
 }
 

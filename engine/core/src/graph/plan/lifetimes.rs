@@ -1,10 +1,10 @@
 //! When resources and their parts are in use, and which uses are done before which.
 
-use super::Lifetime;
 use super::history::{At, History, Schedule};
 use super::queues::{Crossing, QUEUES};
 use super::versions::Versions;
-use crate::graph::description::{Description, Queue, ResourceId};
+use super::{Lifetime, Plan, Work};
+use crate::graph::description::{Description, Queue, ResourceId, VersionId};
 
 /// First and last step of something in use; `NEVER`: of nothing.
 type Steps = [u32; 2];
@@ -128,32 +128,40 @@ fn done(schedule: &Schedule, crossings: &[Crossing]) -> Vec<[usize; 3]> {
     done
 }
 
-/// When each part of each resource is in use, parts of equal lifetime together.
-pub(super) fn report(description: &Description, versions: &Versions, history: &History) -> Vec<Lifetime> {
-    let resources = description.resources.len();
-    let mut lifetimes = Vec::with_capacity(resources);
-    for resource in (0..resources as u32).map(ResourceId) {
-        let span = |cell: u32| {
-            let groups = history.of(cell);
-            let first = groups.iter().flat_map(|group| [group.first, group.last]).find_map(At::index)?;
-            let last = groups.iter().rev().flat_map(|group| [group.last, group.first]).find_map(At::index)?;
-            Some([first, last])
+/// When each part of each resource is in use by the steps of a plan, parts of equal lifetime together; by resource and
+/// range. `description`: the one that the plan was made for.
+pub fn lifetimes(description: &Description, plan: &Plan) -> Vec<Lifetime> {
+    // 1. First and last step that use each cell.
+    let cells = Versions::of_right(description).cells;
+    let mut used: Vec<Option<[usize; 2]>> = vec![None; cells.len()];
+    for (index, step) in plan.steps.iter().enumerate() {
+        let mut add = |version: VersionId| {
+            for &cell in cells.covered(version.0 as usize) {
+                let used = &mut used[cell as usize];
+                *used = Some([used.map_or(index, |[first, _]| first), index]);
+            }
         };
-        let cells = versions.cells.of(resource);
-        if cells.len() == 1 {
-            let range = versions.cells.whole(resource);
-            lifetimes.extend(span(cells.start).map(|steps| Lifetime { resource, range, steps }));
-            continue;
+        match step.work {
+            Work::Pass(pass) => {
+                let pass = description.passes.get(pass.0 as usize);
+                pass.map_or(&[][..], |pass| description.uses_of(pass)).iter().for_each(|used| add(used.version));
+            }
+            Work::ReadBack(root) => description.roots.get(root).into_iter().for_each(|root| add(root.version)),
         }
+    }
+
+    // 2. Cells of equal lifetime become ranges.
+    let mut lifetimes = Vec::new();
+    for resource in (0..description.resources.len() as u32).map(ResourceId) {
         let mut spans: Vec<([usize; 2], Vec<u32>)> = Vec::new();
-        for (cell, steps) in cells.filter_map(|cell| Some((cell, span(cell)?))) {
+        for (cell, steps) in cells.of(resource).filter_map(|cell| Some((cell, used[cell as usize]?))) {
             match spans.iter_mut().find(|(known, _)| *known == steps) {
                 Some((_, cells)) => cells.push(cell),
                 None => spans.push((steps, vec![cell])),
             }
         }
-        for (steps, cells) in spans {
-            let ranges = versions.cells.ranges(&cells).into_iter();
+        for (steps, mine) in spans {
+            let ranges = cells.ranges(&mine).into_iter();
             lifetimes.extend(ranges.map(|range| Lifetime { resource, range, steps }));
         }
     }

@@ -17,16 +17,22 @@ impl<T> Default for Lists<T> {
 impl<T: Copy> Lists<T> {
     /// Items with their numbers, of which there are `numbers`; those of one stay in the order they come in.
     pub(super) fn new(numbers: usize, items: impl Iterator<Item = (usize, T)> + Clone) -> Self {
-        let mut first = vec![0; numbers + 1];
-        items.clone().for_each(|(number, _)| first[number + 1] += 1);
-        (0..numbers).for_each(|number| first[number + 1] += first[number]);
-        let any = items.clone().next();
-        let mut sorted = any.map_or_else(Vec::new, |(_, any)| vec![any; first[numbers] as usize]);
-        let mut next = first.clone();
-        for (number, item) in items {
-            sorted[next[number] as usize] = item;
-            next[number] += 1;
+        // One further than they will be: a list's beginning moves on to its end while its items are put in.
+        let mut first = vec![0; numbers + 2];
+        items.clone().for_each(|(number, _)| first[number + 2] += 1);
+        let mut total = 0;
+        for begin in &mut first {
+            total += *begin;
+            *begin = total;
         }
+        let any = items.clone().next();
+        let mut sorted = any.map_or_else(Vec::new, |(_, any)| vec![any; total as usize]);
+        for (number, item) in items {
+            let place = &mut first[number + 1];
+            sorted[*place as usize] = item;
+            *place += 1;
+        }
+        first.truncate(numbers + 1);
         Self { first, items: sorted }
     }
 

@@ -7,6 +7,7 @@ mod cells;
 mod cull;
 mod dependencies;
 mod device;
+mod done;
 mod gather;
 mod history;
 mod lifetimes;
@@ -29,6 +30,7 @@ mod versions;
 
 pub use apart::{Apart, apart};
 pub use device::{DeviceModel, Requirements, Usage};
+pub use lifetimes::lifetimes;
 pub use output::{
     Barriers, Batch, BufferBarrier, End, Heap, ImageBarrier, ImageBarriers, Lifetime, MemoryBarrier, Ownership,
     Placement, Plan, Statistics, Step, Wait, Work,
@@ -42,15 +44,17 @@ pub(super) use versions::held_at_the_end;
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
+use self::attach::Attach;
 use self::barriers::Context;
 use self::dependencies::{Dependencies, Events};
+use self::history::At;
 use self::memo::Memo;
 use self::outline::Outline;
 use self::place::{Placed, place};
-use self::queues::RoundTrip;
+use self::redundant::Redundant;
 use self::resized::Kept;
 use self::versions::Versions;
-use super::description::{Description, Origin, PassId, Queue, ResourceId, Shape};
+use super::description::{Description, Origin, PassId, Shape};
 use super::errors::{ErrorKind, GraphError, GraphErrors};
 
 /// Plans a frame for a device; of a frame with checkpoints, what comes before the first one ([`segment`]).
@@ -112,12 +116,18 @@ fn plan_chosen(
 fn complete(description: &Description, outline: &Outline, placed: &mut Placed) -> Plan {
     let Outline { versions, history, schedule, crossings, lifetimes, .. } = outline;
     let context = Context { description, versions, history, schedule, lifetimes, families: outline.families };
+    // 1. What has to stand between uses, moved together.
     let (mut pending, reliances) = barriers::pending(&context, placed);
     let takers = context.takers(&pending.list);
     gather::gather(&mut pending, schedule, crossings, &takers);
+
+    // 2. Submissions, and which stages their semaphores hold up.
     let mut batches = queues::batches(schedule, crossings.clone(), &takers);
     let (held, trips) = queues::narrow(&mut batches, schedule, &reliances);
     let chained = barriers::chain(&context, &mut pending.list, &held);
+    let batch_of = queues::batch_of(&batches, schedule);
+
+    // 3. Step by step: its barriers, less those that follow from others.
     let steps = (0..schedule.nodes.len())
         .map(|step| Step { work: schedule.work(step), queue: schedule.queues[step], barriers: Barriers::default() })
         .collect();
@@ -130,15 +140,22 @@ fn complete(description: &Description, outline: &Outline, placed: &mut Placed) -
         placements: Vec::new(),
         heaps: Vec::new(),
         usages: outline.usages.clone(),
-        lifetimes: lifetimes::report(description, versions, history),
         ends: history::ends(description, versions, history),
         statistics: Statistics::default(),
         fingerprint: 0,
     };
-    attach::attach(&mut plan, &context, &pending);
+    let mut attach = Attach::new(&context, &pending, &batch_of);
+    let mut redundant = Redundant::new(schedule, &batch_of, &trips, &chained);
+    for (step, Step { barriers, .. }) in plan.steps.iter_mut().enumerate() {
+        attach.up_to(At::step(step), barriers, &mut plan.batches);
+        redundant.step(step, barriers);
+        plan.statistics.count(barriers);
+    }
+    attach.up_to(At::END, &mut plan.finally, &mut plan.batches);
     attach::show_host(&mut plan);
-    drop_redundant(&mut plan, &trips, &chained, description.passes.len());
-    plan.statistics.count(&plan.steps, &plan.batches, &plan.finally);
+    redundant.end(&mut plan.finally);
+    plan.statistics.count(&plan.finally);
+    plan.batches.iter().for_each(|batch| plan.statistics.count(&batch.release));
     plan.takes(placed);
     plan
 }
@@ -200,43 +217,6 @@ impl Hash for Alike<'_> {
     }
 }
 
-/// Takes out dependencies that follow from others, queue by queue. `chained`: images with barriers that come behind
-/// semaphores; `passes`: how many the description has.
-fn drop_redundant(plan: &mut Plan, trips: &[RoundTrip], chained: &[ResourceId], passes: usize) {
-    // By pass, then by root: its queue, and where it stands there, from 1 on.
-    let node = |work: Work| match work {
-        Work::Pass(pass) => pass.0 as usize,
-        Work::ReadBack(root) => passes + root,
-    };
-    let nodes = plan.steps.iter().map(|step| node(step.work) + 1).max().unwrap_or(0);
-    let mut places = vec![(Queue::Graphics, u32::MAX); nodes];
-    // What came before the frame stands at 0, all of it on graphics.
-    let place = |places: &[(Queue, u32)], queue: Queue, work: Option<Work>| match work {
-        None => (queue == Queue::Graphics).then_some(0),
-        Some(work) => {
-            places.get(node(work)).filter(|place| place.0 == queue && place.1 != u32::MAX).map(|place| place.1)
-        }
-    };
-    let mut ordered = [(); 3].map(|()| redundant::Ordered::new(chained));
-    let mut counts = [0; 3];
-    let mut trips = trips.iter().peekable();
-    for (index, batch) in plan.batches.iter().enumerate() {
-        let queue = batch.queue as usize;
-        while let Some(trip) = trips.next_if(|trip| trip.batch == index) {
-            ordered[queue].wait(trip.stages, trip.steps);
-        }
-        for &step in &batch.steps {
-            let step = &mut plan.steps[step];
-            if !step.barriers.is_empty() {
-                ordered[queue].filter(&mut step.barriers, counts[queue], |work| place(&places, batch.queue, work));
-            }
-            counts[queue] += 1;
-            places[node(step.work)] = (batch.queue, counts[queue]);
-        }
-    }
-    ordered[0].filter(&mut plan.finally, counts[0], |work| place(&places, Queue::Graphics, work));
-}
-
 impl Plan {
     /// Takes its memory from what was placed.
     fn takes(&mut self, placed: &mut Placed) {
@@ -249,13 +229,10 @@ impl Plan {
 }
 
 impl Statistics {
-    fn count(&mut self, steps: &[Step], batches: &[Batch], finally: &Barriers) {
-        let all = steps.iter().map(|step| &step.barriers).chain(batches.iter().map(|batch| &batch.release));
-        for barriers in all.chain([finally]).filter(|barriers| !barriers.is_empty()) {
-            self.barrier_calls += 1;
-            self.image_barriers += barriers.images.len();
-            self.buffer_barriers += barriers.buffers.len();
-            self.memory_barriers += barriers.memory.len();
-        }
+    fn count(&mut self, barriers: &Barriers) {
+        self.barrier_calls += usize::from(!barriers.is_empty());
+        self.image_barriers += barriers.images.len();
+        self.buffer_barriers += barriers.buffers.len();
+        self.memory_barriers += barriers.memory.len();
     }
 }

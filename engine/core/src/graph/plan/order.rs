@@ -30,20 +30,24 @@ pub(super) fn order(description: &Description, dependencies: &Dependencies, live
     let mut ready = Ready::new(nodes.filter(|&node| is_live(node) && waits[node as usize] == 0).collect());
     // By node: the first place in the order that is far enough from all it waited for.
     let mut apart = vec![0; waits.len()];
-    let mut memory = Memory::new(description, is_live, bytes);
+    // Where there is one choice at a time, nobody asks.
+    let mut memory: Option<Memory> = None;
     let mut order = Vec::with_capacity(waits.len());
     while !ready.first.is_empty() {
-        let score = |&node: &Node| {
-            let is_pass = (node as usize) < passes;
-            let near = apart[node as usize].max(order.len()) - order.len();
-            (is_pass, Reverse(near), memory.gain(node), Reverse(node))
-        };
         let best = match ready.first.len() {
             1 => 0,
-            count => (0..count).max_by_key(|&index| score(&ready.first[index])).unwrap_or(0),
+            count => {
+                let memory = memory.get_or_insert_with(|| Memory::new(description, is_live, bytes));
+                memory.run(&order);
+                let score = |&node: &Node| {
+                    let is_pass = (node as usize) < passes;
+                    let near = apart[node as usize].max(order.len()) - order.len();
+                    (is_pass, Reverse(near), memory.gain(node), Reverse(node))
+                };
+                (0..count).max_by_key(|&index| score(&ready.first[index])).unwrap_or(0)
+            }
         };
         let node = ready.take(best);
-        memory.run(node);
         for &(after, _) in dependencies.after(node) {
             let after = after as usize;
             apart[after] = order.len() + 1 + APART;
@@ -99,6 +103,8 @@ struct Memory<'a> {
     /// By resource: nodes that still use it. Kept roots count as one.
     left: Vec<u32>,
     alive: Vec<bool>,
+    /// How many nodes have run.
+    ran: usize,
 }
 
 impl<'a> Memory<'a> {
@@ -121,7 +127,7 @@ impl<'a> Memory<'a> {
             };
             match node.checked_sub(passes) {
                 _ if !is_live(node as Node) => {}
-                None => description.passes[node].uses.iter().for_each(|used| add(used.version)),
+                None => description.uses_of(&description.passes[node]).iter().for_each(|used| add(used.version)),
                 Some(root) => add(description.roots[root].version),
             }
             first.push(used.len() as u32);
@@ -129,7 +135,7 @@ impl<'a> Memory<'a> {
         for root in description.roots.iter().filter(|root| !root.read_back) {
             left[resource(root.version).0 as usize] += 1;
         }
-        Self { bytes, first, used, left, alive: vec![false; description.resources.len()] }
+        Self { bytes, first, used, left, alive: vec![false; description.resources.len()], ran: 0 }
     }
 
     /// Bytes that running a node frees, less those it takes.
@@ -147,10 +153,14 @@ impl<'a> Memory<'a> {
         &self.used[self.first[node as usize] as usize..self.first[node as usize + 1] as usize]
     }
 
-    fn run(&mut self, node: Node) {
-        for id in &self.used[self.first[node as usize] as usize..self.first[node as usize + 1] as usize] {
-            self.alive[id.0 as usize] = true;
-            self.left[id.0 as usize] -= 1;
+    /// Runs the nodes of an order that have not run yet.
+    fn run(&mut self, order: &[Node]) {
+        for &node in &order[self.ran..] {
+            for id in &self.used[self.first[node as usize] as usize..self.first[node as usize + 1] as usize] {
+                self.alive[id.0 as usize] = true;
+                self.left[id.0 as usize] -= 1;
+            }
         }
+        self.ran = order.len();
     }
 }

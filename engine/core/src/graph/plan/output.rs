@@ -27,8 +27,6 @@ pub struct Plan {
     pub heaps: Vec<Heap>,
     /// What each resource is used for, by [`ResourceId`]; `None` where no step uses it.
     pub usages: Vec<Option<Usage>>,
-    /// When each part of each resource is in use, by resource and range.
-    pub lifetimes: Vec<Lifetime>,
     /// States that imported and kept resources are left in, by resource: what the next plan begins with.
     pub ends: Vec<End>,
     /// Figures.

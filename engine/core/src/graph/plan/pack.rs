@@ -92,7 +92,7 @@ impl Lives {
 }
 
 /// Blocks by their first step, or by their last one (`side` 1).
-pub(super) fn by_step(blocks: &[Block], side: usize) -> Lists<u32> {
+fn by_step(blocks: &[Block], side: usize) -> Lists<u32> {
     let steps = blocks.iter().map(|block| block.steps[1] as usize + 1).max().unwrap_or(0);
     Lists::new(steps, (0..).zip(blocks).map(|(index, block)| (block.steps[side] as usize, index)))
 }
@@ -130,9 +130,17 @@ struct Free {
     gaps: Vec<[u64; 2]>,
 }
 
+/// The next multiple of an alignment, mostly a power of two: dividing takes longer.
+fn aligned(offset: u64, alignment: u64) -> u64 {
+    match alignment.is_power_of_two() {
+        true => (offset + (alignment - 1)) & !(alignment - 1),
+        false => offset.next_multiple_of(alignment),
+    }
+}
+
 impl Free {
     fn take(&mut self, size: u64, alignment: u64, tightest: bool) -> u64 {
-        let start = |gap: &[u64; 2]| gap[0].next_multiple_of(alignment);
+        let start = |gap: &[u64; 2]| aligned(gap[0], alignment);
         let mut fitting =
             self.gaps.iter().enumerate().filter(|(_, gap)| gap[1] - gap[0] >= size && gap[1] - size >= start(gap));
         let found = if tightest { fitting.min_by_key(|(_, gap)| gap[1] - gap[0]) } else { fitting.next() };
@@ -215,7 +223,7 @@ impl Conflicts {
                 if offset + block.size <= start {
                     break;
                 }
-                offset = offset.max(end.next_multiple_of(block.alignment));
+                offset = offset.max(aligned(end, block.alignment));
             }
             packing.offsets[index as usize] = offset;
             packing.end = packing.end.max(offset + block.size);

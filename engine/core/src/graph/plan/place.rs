@@ -2,7 +2,7 @@
 
 use super::lifetimes::Lifetimes;
 use super::lists::Lists;
-use super::pack::{Block, by_step, pack};
+use super::pack::{Block, pack};
 use super::{DeviceModel, Heap, Placement, Requirements};
 use crate::graph::description::{Description, ResourceId, Shape};
 
@@ -68,17 +68,19 @@ pub(super) fn place(
         placed.lower_bound += lower_bound;
         placed.unaliased += items.iter().map(|item| item.bytes).sum::<u64>();
         tenants(&items, &blocks, &offsets, &mut earlier);
-        placed.placements.extend(items.iter().zip(&blocks).zip(&offsets).map(|((item, block), &offset)| Placement {
-            resource: item.resource,
-            heap,
-            offset,
-            size: item.bytes,
-            steps: block.steps.map(|step| step as usize),
-        }));
+        placed.placements.reserve_exact(items.len());
+        for ((item, block), &offset) in items.iter().zip(&blocks).zip(&offsets) {
+            let steps = block.steps.map(|step| step as usize);
+            placed.placements.push(Placement { resource: item.resource, heap, offset, size: item.bytes, steps });
+        }
     }
-    placed.placements.sort_unstable_by_key(|placement| placement.resource);
-    earlier.sort_unstable();
-    earlier.dedup();
+    if placed.heaps.len() > 1 {
+        placed.placements.sort_unstable_by_key(|placement| placement.resource);
+    }
+    if !earlier.is_sorted_by(|a, b| a < b) {
+        earlier.sort_unstable();
+        earlier.dedup();
+    }
     let pairs = earlier.iter().map(|&[resource, earlier]: &[ResourceId; 2]| (resource.0 as usize, earlier));
     Placed { earlier: Lists::new(requirements.len(), pairs), ..placed }
 }
@@ -108,19 +110,20 @@ fn items(
     resources: &[ResourceId],
 ) -> (Vec<Item>, Vec<Block>) {
     let is_image = |id: &&ResourceId| matches!(description.resources[id.0 as usize].shape, Shape::Image(_));
-    let images = resources.iter().filter(is_image).count();
-    let mixed = images > 0 && images < resources.len();
-    let granularity = if mixed { granularity.max(1) } else { 1 };
-    let item = |&resource: &ResourceId| {
-        let needs = requirements[resource.0 as usize]?;
-        let block = Block {
-            size: needs.size.max(1).next_multiple_of(granularity),
-            alignment: needs.alignment.max(1).max(granularity),
-            steps: lifetimes.span(resource)?,
-        };
-        Some((Item { resource, bytes: needs.size }, block))
+    let mixed = granularity > 1 && {
+        let images = resources.iter().filter(is_image).count();
+        images > 0 && images < resources.len()
     };
-    resources.iter().filter_map(item).unzip()
+    let granularity = if mixed { granularity } else { 1 };
+    let (mut items, mut blocks) = (Vec::with_capacity(resources.len()), Vec::with_capacity(resources.len()));
+    for &resource in resources {
+        let Some((needs, steps)) = requirements[resource.0 as usize].zip(lifetimes.span(resource)) else { continue };
+        let size = needs.size.max(1);
+        let size = if mixed { size.next_multiple_of(granularity) } else { size };
+        items.push(Item { resource, bytes: needs.size });
+        blocks.push(Block { size, alignment: needs.alignment.max(granularity), steps });
+    }
+    (items, blocks)
 }
 
 /// The most bytes alive at once.
@@ -145,8 +148,10 @@ fn tenants(items: &[Item], blocks: &[Block], offsets: &[u64], earlier: &mut Vec<
     // Memory by its start: where it begins and ends, and who had it last.
     let mut memory: Vec<(u64, u64, ResourceId)> = Vec::with_capacity(items.len());
     earlier.reserve(items.len());
-    let births = by_step(blocks, 0);
-    for &index in births.all() {
+    // In order of birth: most come so.
+    let mut births: Vec<u32> = (0..blocks.len() as u32).collect();
+    births.sort_by_key(|&index| blocks[index as usize].steps[0]);
+    for index in births {
         let resource = items[index as usize].resource;
         let start = offsets[index as usize];
         let end = start + blocks[index as usize].size;

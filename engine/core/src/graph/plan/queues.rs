@@ -48,7 +48,7 @@ pub(super) fn assign(
     }
     let mut writers: Vec<(VersionId, usize)> = Vec::new();
     for (step, &node) in nodes.iter().enumerate().filter(|(_, node)| (**node as usize) < passes) {
-        let made = description.passes[node as usize].uses.iter().filter_map(|used| used.makes);
+        let made = description.uses_of(&description.passes[node as usize]).iter().filter_map(|used| used.makes);
         writers.extend(made.filter_map(|made| versions.fork[made.0 as usize]).map(|fork| (fork, step)));
     }
     writers.sort_unstable();
@@ -157,6 +157,15 @@ pub(super) fn batches(schedule: &Schedule, mut crossings: Vec<Crossing>, takers:
         open[queue as usize] = (!signals[step]).then_some(place);
     }
     batches
+}
+
+/// By step: its batch. Nothing where there is but one.
+pub(super) fn batch_of(batches: &[Batch], schedule: &Schedule) -> Vec<usize> {
+    let mut batch_of = vec![0; if batches.len() == 1 { 0 } else { schedule.nodes.len() }];
+    for (index, batch) in batches.iter().enumerate().skip(1) {
+        batch.steps.iter().for_each(|&step| batch_of[step] = index);
+    }
+    batch_of
 }
 
 /// Waits for the values needed that are not waited for yet, by this queue or by a batch that it waits for.

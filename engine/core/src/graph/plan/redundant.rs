@@ -8,13 +8,22 @@ use std::collections::VecDeque;
 
 use ash::vk::{AccessFlags2 as Mask, PipelineStageFlags2 as Stages};
 
-use super::stages::{COUNT, Set, any, bits, both, holds, members, set, single, with_earlier, with_later, without};
+use super::done::Done;
+use super::history::Schedule;
+use super::queues::RoundTrip;
+use super::stages::{Set, any, both, holds, members, set, single, with_earlier, with_later};
 use super::{Barriers, Hazard, ImageBarrier, MemoryBarrier, Ownership, Reason, Work};
-use crate::graph::description::{Access, ResourceId};
+use crate::graph::description::{Access, Queue, ResourceId};
 
 /// Whether a barrier does more than to order.
 fn is_strong(barrier: &MemoryBarrier) -> bool {
     barrier.from.mask != Mask::NONE || barrier.to.mask != Mask::NONE
+}
+
+/// Whether it is several stages, and no memory.
+fn is_set_of_stages(access: &Access) -> bool {
+    let stages = access.stages.as_raw();
+    access.mask.is_empty() && stages & stages.wrapping_sub(1) != 0
 }
 
 /// Takes out memory barriers that do less than another one of the same call; not those that only order, which are
@@ -73,94 +82,91 @@ fn is_covered(from: &Access, to: &mut Access, ownership: Option<Ownership>, memo
     to.mask.is_empty() && !asked.is_empty()
 }
 
+/// Barriers less those that follow from others, step by step.
+pub(super) struct Redundant<'a> {
+    schedule: &'a Schedule,
+    /// By step: its batch. Nothing where there is but one.
+    batch_of: &'a [usize],
+    /// Of batches that have not begun.
+    trips: Vec<RoundTrip>,
+    /// By queue.
+    ordered: [Ordered<'a>; 3],
+    /// By queue: how many of its steps there were.
+    counts: [u32; 3],
+    /// By pass, then by root: where it stands on its queue, from 1 on; 0: nowhere yet.
+    places: Vec<(Queue, u32)>,
+}
+
+impl<'a> Redundant<'a> {
+    /// `chained`: images with barriers that come behind semaphores, ascending.
+    pub(super) fn new(
+        schedule: &'a Schedule,
+        batch_of: &'a [usize],
+        trips: &[RoundTrip],
+        chained: &'a [ResourceId],
+    ) -> Self {
+        let nodes = schedule.nodes.iter().max().map_or(0, |last| *last as usize + 1);
+        let (ordered, trips) = ([(); 3].map(|()| Ordered::new(chained)), trips.to_vec());
+        Self { schedule, batch_of, trips, ordered, counts: [0; 3], places: vec![(Queue::Graphics, 0); nodes] }
+    }
+
+    /// Takes out of the barriers before a step, the next one, what follows from others.
+    pub(super) fn step(&mut self, step: usize, barriers: &mut Barriers) {
+        let queue = self.schedule.queues[step];
+        if !self.trips.is_empty() {
+            let batch = self.batch_of[step];
+            self.begin(|trip| trip.batch == batch, queue);
+        }
+        self.filter(queue, barriers);
+        self.counts[queue as usize] += 1;
+        self.places[self.schedule.nodes[step] as usize] = (queue, self.counts[queue as usize]);
+    }
+
+    /// As [`Redundant::step`], of the barriers at the end of the frame, on graphics.
+    pub(super) fn end(&mut self, barriers: &mut Barriers) {
+        // A batch without steps comes last.
+        self.begin(|_| true, Queue::Graphics);
+        self.filter(Queue::Graphics, barriers);
+    }
+
+    /// Batches of a queue begin, behind semaphores that came round.
+    fn begin(&mut self, begins: impl Fn(&RoundTrip) -> bool, queue: Queue) {
+        for trip in self.trips.extract_if(.., |trip| begins(trip)) {
+            self.ordered[queue as usize].wait(trip.stages, trip.steps);
+        }
+    }
+
+    fn filter(&mut self, queue: Queue, barriers: &mut Barriers) {
+        if barriers.is_empty() {
+            return;
+        }
+        let (places, passes) = (&self.places, self.schedule.passes);
+        // What came before the frame stands at 0, all of it on graphics.
+        let place = |work: Option<Work>| match work {
+            None => (queue == Queue::Graphics).then_some(0),
+            Some(work) => {
+                let node = match work {
+                    Work::Pass(pass) => pass.0 as usize,
+                    Work::ReadBack(root) => passes + root,
+                };
+                places.get(node).filter(|place| place.0 == queue && place.1 > 0).map(|place| place.1)
+            }
+        };
+        self.ordered[queue as usize].filter(barriers, self.counts[queue as usize], place);
+    }
+}
+
 /// What is ordered on one queue.
-pub(super) struct Ordered<'a> {
+struct Ordered<'a> {
     /// Images with barriers whose first stages are chained to semaphores, ascending.
     chained: &'a [ResourceId],
     done: Done,
+    /// What barriers ordered that nobody has asked about yet: stages, and the step. Most frames never ask.
+    unasked: Vec<(Set, Set, u32)>,
     /// The last barriers for all memory.
     for_all: VecDeque<ForAll>,
-}
-
-/// By two stages `b` and `a`, `d`: before any later work in `b` begins, `d - 1` steps, from the queue's first on, have all
-/// their work in `a` done, and where `d` is not 0, so has what came before the frame.
-#[derive(Default)]
-struct Done {
-    now: Table,
-    /// Rows as they were before the call of barriers looked at, of those that it changed.
-    before: Table,
-    changed: Set,
-    /// Stages `a` that any barrier waited for yet.
-    waited_for: Set,
-}
-
-type Table = [[u32; COUNT]; COUNT];
-
-impl Done {
-    /// Begins with another call of barriers.
-    fn begin(&mut self) {
-        self.changed = 0;
-    }
-
-    /// The row of a stage before this call.
-    fn before(&self, b: usize) -> &[u32; COUNT] {
-        if self.changed >> b & 1 == 0 { &self.now[b] } else { &self.before[b] }
-    }
-
-    /// A barrier between these stages, each with those that its scopes have too, behind so many steps.
-    fn barrier(&mut self, from: Set, to: Set, step: u32) {
-        self.waited_for |= from;
-        let mut chained = [0; COUNT];
-        for via in members(from) {
-            let known = self.before(via);
-            members(self.waited_for).for_each(|a| chained[a] = known[a].max(chained[a]));
-        }
-        members(from).for_each(|a| chained[a] = step + 1);
-        for b in members(to) {
-            if self.changed >> b & 1 == 0 {
-                self.changed |= 1 << b;
-                self.before[b] = self.now[b];
-            }
-            let row = &mut self.now[b];
-            members(self.waited_for).for_each(|a| row[a] = row[a].max(chained[a]));
-        }
-    }
-
-    /// So many steps are done before these stages begin.
-    fn steps(&mut self, to: Set, steps: u32) {
-        self.waited_for = (1 << COUNT) - 1;
-        for b in members(to) {
-            self.now[b].iter_mut().for_each(|done| *done = (*done).max(steps + 1));
-        }
-    }
-
-    /// The first stages that some second stage does not wait for yet, up to the place `last`.
-    fn missing(&self, from: Stages, to: Stages, last: u32) -> Stages {
-        let to = set(to);
-        let ordered = |a: &usize| members(to).all(|b| self.now[b][*a] > last);
-        without(from, members(set(from)).filter(|&a| a < COUNT - 1).filter(ordered).fold(0, |done, a| done | 1 << a))
-    }
-
-    /// First stages without those that come before another one of them, which stays, up to the place `last`.
-    fn unchained(&self, from: Stages, last: u32) -> Stages {
-        let (mut left, mut stays) = (from, Stages::NONE);
-        if from.as_raw().is_power_of_two() {
-            return from;
-        }
-        for stage in bits(from.as_raw()).map(Stages::from_raw) {
-            let ordered = |other: &Stages| {
-                let behind = with_earlier(set(*other));
-                let chained = |a: usize| a < COUNT - 1 && members(behind).any(|b| self.before(b)[a] > last);
-                members(set(stage)).all(chained)
-            };
-            let mut others = bits((left & !stage).as_raw()).map(Stages::from_raw);
-            if let Some(other) = others.find(ordered).filter(|_| !stays.contains(stage)) {
-                left &= !stage;
-                stays |= other;
-            }
-        }
-        left
-    }
+    /// Stages that stand behind each of them.
+    behind_all: Set,
 }
 
 /// How many barriers for all memory are remembered: bounds the cost of frames with many.
@@ -178,29 +184,26 @@ struct ForAll {
 }
 
 impl<'a> Ordered<'a> {
-    pub(super) fn new(chained: &'a [ResourceId]) -> Self {
-        Self { chained, done: Done::default(), for_all: VecDeque::new() }
+    fn new(chained: &'a [ResourceId]) -> Self {
+        let (done, unasked, for_all) = Default::default();
+        Self { chained, done, unasked, for_all, behind_all: !0 }
     }
 
     /// Takes out what follows from other barriers, and remembers what the rest orders. `step`: how many steps of the
     /// queue stand before; `last`: at which place of the queue some work stands, 1 for the first step, 0 for what came
     /// before the frame.
-    pub(super) fn filter(&mut self, barriers: &mut Barriers, step: u32, last: impl Fn(Option<Work>) -> Option<u32>) {
+    fn filter(&mut self, barriers: &mut Barriers, step: u32, last: impl Fn(Option<Work>) -> Option<u32>) {
         let Barriers { images, buffers, memory } = barriers;
-        self.done.begin();
 
         // 1. First stages that come before others of the same barrier anyway.
-        let unchain = |done: &Done, from: &mut Access, before: Option<Work>| {
-            if from.mask.is_empty()
-                && let Some(before) = last(before)
-            {
-                from.stages = done.unchained(from.stages, before);
+        for barrier in images.iter_mut().filter(|barrier| is_set_of_stages(&barrier.from)) {
+            if self.chained.binary_search(&barrier.resource).is_err() {
+                self.unchain(&mut barrier.from, last(barrier.reason.before), step);
             }
-        };
-        for barrier in images.iter_mut().filter(|barrier| self.chained.binary_search(&barrier.resource).is_err()) {
-            unchain(&self.done, &mut barrier.from, barrier.reason.before);
         }
-        buffers.iter_mut().for_each(|barrier| unchain(&self.done, &mut barrier.from, barrier.reason.before));
+        for barrier in buffers.iter_mut().filter(|barrier| is_set_of_stages(&barrier.from)) {
+            self.unchain(&mut barrier.from, last(barrier.reason.before), step);
+        }
 
         // 2. What earlier barriers for all memory made available and visible.
         images.iter_mut().filter(|barrier| barrier.from.layout != barrier.to.layout).for_each(|barrier| {
@@ -223,9 +226,9 @@ impl<'a> Ordered<'a> {
         if !memory.is_empty() {
             tenants(images, memory);
             subsumed(memory);
+            images.retain(|barrier| !is_covered(&barrier.from, &mut barrier.to, barrier.ownership, memory));
+            buffers.retain_mut(|barrier| !is_covered(&barrier.from, &mut barrier.to, barrier.ownership, memory));
         }
-        images.retain(|barrier| !is_covered(&barrier.from, &mut barrier.to, barrier.ownership, memory));
-        buffers.retain_mut(|barrier| !is_covered(&barrier.from, &mut barrier.to, barrier.ownership, memory));
 
         // 4. What the rest orders. Most barriers of a call order alike, and nothing comes of the second.
         let mut applied = Default::default();
@@ -241,13 +244,13 @@ impl<'a> Ordered<'a> {
         memory.iter().filter(|barrier| is_strong(barrier)).for_each(|barrier| apply(&barrier.from, &barrier.to));
         for barrier in images.iter_mut().filter(|barrier| waits_alone(barrier)) {
             if barrier.ownership.is_none() && self.chained.binary_search(&barrier.resource).is_err() {
-                self.leave_missing(&mut barrier.from, &barrier.to, last(barrier.reason.before));
+                self.leave_missing(&mut barrier.from, &barrier.to, last(barrier.reason.before), step);
             }
             self.apply(barrier.from.stages, barrier.to.stages, step);
         }
         for barrier in buffers.iter_mut().filter(|barrier| barrier.from.mask.is_empty()) {
             if barrier.ownership.is_none() && self.chained.binary_search(&barrier.resource).is_err() {
-                self.leave_missing(&mut barrier.from, &barrier.to, last(barrier.reason.before));
+                self.leave_missing(&mut barrier.from, &barrier.to, last(barrier.reason.before), step);
             }
             self.apply(barrier.from.stages, barrier.to.stages, step);
         }
@@ -259,8 +262,9 @@ impl<'a> Ordered<'a> {
                 return true;
             }
             if let Some(before) = last(barrier.reason.before) {
-                let missing = self.done.missing(barrier.from.stages, barrier.to.stages, before);
-                barrier.from.stages = self.done.unchained(missing, before);
+                let done = self.done_before(step);
+                let missing = done.missing(barrier.from.stages, barrier.to.stages, before);
+                barrier.from.stages = done.unchained(missing, before);
             }
             let keep = !barrier.from.stages.is_empty();
             if keep {
@@ -268,13 +272,33 @@ impl<'a> Ordered<'a> {
             }
             keep
         });
-        self.for_all.iter_mut().for_each(|other| other.behind |= std::mem::take(&mut other.more));
+        if self.for_all.iter().any(|other| other.more != 0) {
+            self.for_all.iter_mut().for_each(|other| other.behind |= std::mem::take(&mut other.more));
+            self.behind_all = self.for_all.iter().fold(!0, |all, other| all & other.behind);
+        }
+    }
+
+    /// What is ordered before a step, with what barriers of its call ordered so far.
+    fn done_before(&mut self, step: u32) -> &Done {
+        for (from, to, step) in self.unasked.drain(..) {
+            self.done.at(step);
+            self.done.barrier(from, to, step);
+        }
+        self.done.at(step);
+        &self.done
+    }
+
+    /// Leaves out first stages that come before others of them anyway.
+    fn unchain(&mut self, from: &mut Access, before: Option<u32>, step: u32) {
+        if let Some(before) = before {
+            from.stages = self.done_before(step).unchained(from.stages, before);
+        }
     }
 
     /// Leaves of first scopes without memory what nothing else orders, and one stage at least: what it is chained to.
-    fn leave_missing(&self, from: &mut Access, to: &Access, before: Option<u32>) {
+    fn leave_missing(&mut self, from: &mut Access, to: &Access, before: Option<u32>, step: u32) {
         if let Some(before) = before.filter(|_| !from.stages.as_raw().is_power_of_two()) {
-            let missing = self.done.missing(from.stages, to.stages, before);
+            let missing = self.done_before(step).missing(from.stages, to.stages, before);
             from.stages = if missing.is_empty() { any(from.stages) } else { missing };
         }
     }
@@ -302,14 +326,17 @@ impl<'a> Ordered<'a> {
         if self.for_all.len() == REMEMBERED {
             self.for_all.pop_front();
         }
-        self.for_all.push_back(ForAll { step, from, to, behind: with_later(set(to.stages)), more: 0 });
+        let behind = with_later(set(to.stages));
+        self.behind_all &= behind;
+        self.for_all.push_back(ForAll { step, from, to, behind, more: 0 });
     }
 
     /// A semaphore came round from this queue by way of another: `steps` of the queue are done, and visible to these
     /// stages.
-    pub(super) fn wait(&mut self, stages: Stages, steps: u32) {
+    fn wait(&mut self, stages: Stages, steps: u32) {
         let all = Access { stages: Stages::ALL_COMMANDS, mask: Mask::from_raw(!0), ..Access::NONE };
         self.remember(steps, all, Access { stages, ..all });
+        self.done_before(steps);
         self.done.steps(with_later(set(stages)), steps);
     }
 
@@ -318,27 +345,11 @@ impl<'a> Ordered<'a> {
             return;
         }
         let (from, to) = (with_earlier(set(from)), with_later(set(to)));
-        for other in self.for_all.iter_mut().filter(|other| other.step < step && other.behind & from != 0) {
-            other.more |= to;
+        if to & !self.behind_all != 0 {
+            for other in self.for_all.iter_mut().filter(|other| other.step < step && other.behind & from != 0) {
+                other.more |= to;
+            }
         }
-        self.done.barrier(from, to, step);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Vertex shaders come before copies, and copies, but not those, before compute shaders.
-    #[test]
-    fn a_stage_that_others_come_before_stays() {
-        let place = |stage| members(set(stage)).next().unwrap_or(COUNT);
-        let (vertex, compute, copy) = (Stages::VERTEX_SHADER, Stages::COMPUTE_SHADER, Stages::COPY);
-        let mut done = Done::default();
-        done.now[place(copy)][place(vertex)] = 5;
-        done.now[place(compute)][place(copy)] = 5;
-        assert_eq!(done.unchained(vertex | copy | compute, 1), copy | compute);
-        assert_eq!(done.unchained(copy | compute, 1), compute);
-        assert_eq!(done.unchained(copy | compute, 5), copy | compute);
+        self.unasked.push((from, to, step));
     }
 }

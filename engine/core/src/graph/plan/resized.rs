@@ -79,6 +79,7 @@ fn sizes(outline: &Outline, from: &Description, to: &Description) -> Option<Vec<
     let same = from.counts() == to.counts()
         && from.name == to.name
         && from.passes == to.passes
+        && from.uses == to.uses
         && from.roots == to.roots
         && from.checkpoints == to.checkpoints;
     if !same {
@@ -119,12 +120,11 @@ fn lengthen(plan: &mut Plan, resized: &[ResourceId], to: &Description) {
             *range = to.resources[resource.0 as usize].shape.whole();
         }
     };
-    let Plan { steps, batches, finally, lifetimes, ends, .. } = plan;
+    let Plan { steps, batches, finally, ends, .. } = plan;
     let steps = steps.iter_mut().map(|step| &mut step.barriers);
     let all = steps.chain(batches.iter_mut().map(|batch| &mut batch.release)).chain([finally]);
     for Barriers { buffers, .. } in all {
         buffers.iter_mut().for_each(|barrier| set(barrier.resource, &mut barrier.range));
     }
-    lifetimes.iter_mut().for_each(|life| set(life.resource, &mut life.range));
     ends.iter_mut().for_each(|end| set(end.resource, &mut end.state.range));
 }

@@ -9,7 +9,7 @@ use super::dependencies::{Dependencies, Events, Node};
 use super::versions::Versions;
 use super::{Chosen, DeviceModel, End, Plan, Work, choose, plan_chosen, usage};
 use crate::graph::description::{
-    Checkpoint, Description, Origin, PassId, Resource, ResourceId, Source, State, Version, VersionId,
+    Checkpoint, Description, Origin, Pass, PassId, Resource, ResourceId, Source, State, Version, VersionId,
 };
 use crate::graph::errors::{ErrorKind, GraphError, GraphErrors};
 
@@ -203,11 +203,18 @@ impl<'a> Cuts<'a> {
             if whole.roots[root].read_back { segment == index } else { segment <= index }
         });
         let roots: Vec<usize> = roots.collect();
+        let (mut own, mut uses) = (Vec::with_capacity(passes.len()), Vec::new());
+        for pass in &whole.passes[passes.clone()] {
+            let first = uses.len() as u32;
+            uses.extend_from_slice(whole.uses_of(pass));
+            own.push(Pass { uses: first..uses.len() as u32, ..pass.clone() });
+        }
         let description = Description {
             name: whole.name.clone(),
             resources: resources.collect(),
             versions: whole.versions[..versions.end].iter().enumerate().map(version).collect(),
-            passes: whole.passes[passes.clone()].to_vec(),
+            passes: own,
+            uses,
             roots: roots.iter().map(|&root| whole.roots[root].clone()).collect(),
             checkpoints: Vec::new(),
         };
@@ -223,7 +230,7 @@ impl<'a> Cuts<'a> {
             *span = Some(span.map_or([segment; 2], |[first, last]| [first.min(segment), last.max(segment)]));
         };
         for (index, pass) in whole.passes.iter().enumerate().filter(|(index, _)| chosen.live[*index]) {
-            pass.uses.iter().for_each(|used| add(used.version, self.of(index as Node)));
+            whole.uses_of(pass).iter().for_each(|used| add(used.version, self.of(index as Node)));
         }
         for (index, root) in whole.roots.iter().enumerate() {
             let segment = self.of((whole.passes.len() + index) as Node);

@@ -225,7 +225,7 @@ pub(super) fn usages(description: &Description, live: &[bool]) -> Vec<Option<Usa
         usages[index] = Some(usages[index].map_or(more, |known| known.merge(more)));
     };
     for (pass, _) in description.passes.iter().zip(live).filter(|(_, live)| **live) {
-        pass.uses.iter().for_each(|used: &Use| add(used.version.0, &used.access));
+        description.uses_of(pass).iter().for_each(|used: &Use| add(used.version.0, &used.access));
     }
     for root in description.roots.iter().filter(|root: &&Root| root.read_back) {
         add(root.version.0, &Access::copy_read());

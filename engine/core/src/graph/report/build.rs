@@ -107,7 +107,7 @@ fn step(description: &Description, work: Work) -> StepReport {
         Work::Pass(pass) => {
             let pass = &description.passes[pass.0 as usize];
             let uses = |writes: bool| {
-                let uses = pass.uses.iter().filter(move |used| used.makes.is_some() == writes);
+                let uses = description.uses_of(pass).iter().filter(move |used| used.makes.is_some() == writes);
                 uses.map(|used| used_report(description, used)).collect()
             };
             let side_effect = pass.side_effect.clone();

@@ -69,7 +69,7 @@ pub(super) fn dependencies(description: &Description, plan: &Plan) -> Vec<Vec<De
 pub(super) fn used(description: &Description, work: Work) -> Vec<(VersionId, bool)> {
     match work {
         Work::Pass(pass) => {
-            let uses = &description.passes[pass.0 as usize].uses;
+            let uses = description.uses_of(&description.passes[pass.0 as usize]);
             uses.iter().map(|used| (used.version, used.makes.is_some() && !used.reads)).collect()
         }
         Work::ReadBack(root) => vec![(description.roots[root].version, false)],

@@ -27,7 +27,7 @@ pub(super) fn check(errors: &mut Errors) {
             add("does not read anything made before it".into(), "it reads a root that is read back");
         }
         let cut = description.passes.iter().enumerate().find(|(index, pass)| {
-            pass.uses.iter().any(|used| {
+            description.uses_of(pass).iter().any(|used| {
                 let made = used.makes.map(|made| made.0 as usize);
                 match *index < passes {
                     true => (used.version.0 as usize) >= versions || made.is_some_and(|made| made >= versions),

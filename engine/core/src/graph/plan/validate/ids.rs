@@ -132,7 +132,12 @@ pub(super) fn versions(errors: &mut Errors, wholes: &[Range]) -> Vec<bool> {
             errors.add(ErrorKind::UnknownId, Place::default(), wrong, allowed);
         }
         let sources = version.source.versions();
-        sources.iter().for_each(|&source| made_from(errors, index, version, source));
+        for &source in sources {
+            let from = description.versions[..index].get(source.0 as usize);
+            if from.is_none_or(|from| from.resource != version.resource || from.range != version.range) {
+                made_from(errors, index, version, source);
+            }
+        }
         if let Source::Pass { pass, from } = version.source
             && makers[index] != 1
         {
@@ -151,7 +156,7 @@ pub(super) fn versions(errors: &mut Errors, wholes: &[Range]) -> Vec<bool> {
 fn makers(description: &Description) -> Vec<u32> {
     let mut makers = vec![0; description.versions.len()];
     for (index, pass) in description.passes.iter().enumerate() {
-        for (used, made) in pass.uses.iter().filter_map(|used| Some((used, used.makes?.0 as usize))) {
+        for (used, made) in description.uses_of(pass).iter().filter_map(|used| Some((used, used.makes?.0 as usize))) {
             if let Some(Version { source: Source::Pass { pass, from }, .. }) = description.versions.get(made)
                 && (pass.0 as usize, *from) == (index, used.version)
             {

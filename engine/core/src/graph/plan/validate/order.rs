@@ -13,13 +13,17 @@ pub(super) fn check(errors: &mut Errors, versions: &Versions) -> (Events, Depend
     let description = errors.description;
     let events = Events::new(description, versions);
     let makes = |event: &Event| {
-        let pass = description.passes.get(event.node as usize)?;
-        pass.uses[event.used as usize].makes.filter(|&made| versions.is_known(made))
+        description.passes.get(event.node as usize)?;
+        description.uses[event.used as usize].makes.filter(|&made| versions.is_known(made))
     };
     let fork = |made: VersionId| versions.fork[made.0 as usize];
     let before = errors.list.len();
     let mut seen: Vec<(VersionId, VersionId)> = Vec::new();
     for cell in 0..events.cells() {
+        let several = |pair: &[Event]| pair[0].time == pair[1].time && pair[0].time % 2 == 1;
+        if !events.of(cell).windows(2).any(several) {
+            continue;
+        }
         // Writes have odd times.
         let writes = events.of(cell).chunk_by(|a, b| a.time == b.time).filter(|set| set[0].time % 2 == 1);
         for set in writes.filter(|set| set.len() > 1) {
@@ -58,7 +62,7 @@ fn rivals_error(errors: &mut Errors, a: VersionId, b: VersionId) {
     let maker = |made: VersionId| {
         let Source::Pass { pass, .. } = description.versions[made.0 as usize].source else { return None };
         let pass = description.passes.get(pass.0 as usize)?;
-        Some((pass, pass.uses.iter().find(|used| used.makes == Some(made))?))
+        Some((pass, description.uses_of(pass).iter().find(|used| used.makes == Some(made))?))
     };
     let (Some((pass, used)), Some((other, _))) = (maker(a), maker(b)) else { return };
     let resource = Some(description.versions[a.0 as usize].resource);

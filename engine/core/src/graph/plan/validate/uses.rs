@@ -5,7 +5,9 @@ use std::hash::{Hash, Hasher};
 use ash::vk::{self, AccessFlags2 as Mask, PipelineStageFlags2 as Stages};
 
 use super::{Errors, Place};
-use crate::graph::description::{Access, ImageShape, Pass, Queue, Range, Shape, Use};
+use crate::graph::description::{
+    Access, Description, ImageShape, Pass, Queue, Range, Shape, Source, Use, Version, VersionId,
+};
 use crate::graph::errors::ErrorKind;
 use crate::graph::plan::Usage;
 use crate::graph::plan::memo::Memo;
@@ -40,25 +42,30 @@ pub(super) fn pass(
     allowed: &[vk::ImageUsageFlags],
     fine: &mut Fine,
 ) {
-    if pass.uses.is_empty() && pass.side_effect.is_none() {
+    let uses = errors.description.uses_of(pass);
+    if uses.is_empty() && pass.side_effect.is_none() {
         let allowed = "it reads or writes something, or has a side effect";
         errors.add(ErrorKind::EmptyPass, Place::pass(pass), "uses nothing", allowed);
     }
-    for used in &pass.uses {
-        let place = Place { slot: Some(&used.slot), ..Place::pass(pass) };
-        if !ids(errors, place, used) || !versions.is_known(used.version) {
+    for used in uses {
+        let place = |resource| Place { pass: Some(pass), slot: Some(&used.slot), resource };
+        if !ids_are_right(errors.description, pass, used) {
+            ids(errors, place(None), used);
+            continue;
+        }
+        if !versions.is_known(used.version) {
             continue;
         }
         let version = &errors.description.versions[used.version.0 as usize];
-        let place = Place { resource: Some(version.resource), ..place };
+        let place = || place(Some(version.resource));
         let reads = used.reads || used.makes.is_none();
         if reads && !versions.is_defined(used.version) {
             let allowed = "write it first, or say that its earlier contents do not matter";
-            errors.add(ErrorKind::ReadBeforeWrite, place, "reads what nobody has written", allowed);
+            errors.add(ErrorKind::ReadBeforeWrite, place(), "reads what nobody has written", allowed);
         }
         if used.makes.is_none() && versions.fork[used.version.0 as usize].is_some() {
             let allowed = "join the unordered writers first";
-            errors.add(ErrorKind::BadFork, place, "reads the version of one unordered writer", allowed);
+            errors.add(ErrorKind::BadFork, place(), "reads the version of one unordered writer", allowed);
         }
         let allowed = allowed[version.resource.0 as usize];
         let image_of = match (&errors.description.resources[version.resource.0 as usize].shape, version.range) {
@@ -68,7 +75,7 @@ pub(super) fn pass(
         let (access, writes) = (used.access, used.makes.is_some());
         let image = image_of.map(|(_, aspects)| (aspects, allowed));
         fine.get(Kind { access, writes, queue: pass.queue, image }, || {
-            let before = errors.list.len();
+            let (before, place) = (errors.list.len(), place());
             makes(errors, place, used);
             match image_of {
                 Some((shape, aspects)) => on_image(errors, place, shape, aspects, used, allowed),
@@ -81,29 +88,31 @@ pub(super) fn pass(
     }
 }
 
-/// Ids of a use: the version it names, and the one it makes, which says so itself.
-fn ids(errors: &mut Errors, place: Place, used: &Use) -> bool {
+/// Whether there is the version that a use names, and the one it makes, which says so itself.
+fn ids_are_right(description: &Description, pass: &Pass, used: &Use) -> bool {
+    let is_mine = |made: VersionId| match description.versions.get(made.0 as usize) {
+        Some(Version { source: Source::Pass { pass: by, .. }, .. }) => {
+            description.passes.get(by.0 as usize).is_some_and(|by| std::ptr::eq(by, pass))
+        }
+        _ => false,
+    };
+    (used.version.0 as usize) < description.versions.len() && used.makes.is_none_or(is_mine)
+}
+
+/// What is wrong with the ids of a use.
+fn ids(errors: &mut Errors, place: Place, used: &Use) {
     let versions = &errors.description.versions;
     let count = versions.len();
-    for id in [Some(used.version), used.makes].into_iter().flatten() {
+    for id in std::iter::once(used.version).chain(used.makes) {
         if id.0 as usize >= count {
             let wrong = format!("uses version {}, which there is not", id.0);
-            errors.add(ErrorKind::UnknownId, place, wrong, format!("the description has {count} versions"));
-            return false;
+            return errors.add(ErrorKind::UnknownId, place, wrong, format!("the description has {count} versions"));
         }
     }
-    let Some(made) = used.makes else { return true };
-    let passes = &errors.description.passes;
-    let by = match versions[made.0 as usize].source {
-        crate::graph::description::Source::Pass { pass, .. } => passes.get(pass.0 as usize),
-        _ => None,
-    };
-    let same = by.zip(place.pass).is_some_and(|(by, pass)| std::ptr::eq(by, pass));
-    if !same {
+    if let Some(made) = used.makes {
         let wrong = format!("makes version {}, which is not of its making", made.0);
         errors.add(ErrorKind::BadVersion, place, wrong, "a use makes a version whose source is its pass");
     }
-    same
 }
 
 /// Whoever writes makes a version, and the other way round.
@@ -194,14 +203,17 @@ fn queue(errors: &mut Errors, place: Place, queue: Queue, used: &Use) {
 
 /// Two uses of one pass that share a cell: both read one version in one layout.
 pub(super) fn pairs(errors: &mut Errors, versions: &Versions, pass: &Pass) {
-    let known = |used: &&Use| versions.is_known(used.version);
-    for (index, a) in pass.uses.iter().enumerate().filter(|(_, used)| known(used)) {
-        for b in pass.uses[..index].iter().filter(known) {
-            let version = &errors.description.versions[a.version.0 as usize];
-            let other = &errors.description.versions[b.version.0 as usize];
-            if version.resource != other.resource || !versions.overlap(a.version, b.version) {
+    let description = errors.description;
+    let resource = |used: &Use| description.versions.get(used.version.0 as usize).map(|version| version.resource);
+    let uses = description.uses_of(pass);
+    for (index, a) in uses.iter().enumerate().skip(1) {
+        let mine = resource(a);
+        for b in uses[..index].iter().filter(|b| resource(b) == mine) {
+            let are_known = versions.is_known(a.version) && versions.is_known(b.version);
+            if !are_known || !versions.overlap(a.version, b.version) {
                 continue;
             }
+            let version = &description.versions[a.version.0 as usize];
             let place = Place { slot: Some(&a.slot), resource: Some(version.resource), ..Place::pass(pass) };
             let shape = &errors.description.resources[version.resource.0 as usize].shape;
             let slot = &b.slot;

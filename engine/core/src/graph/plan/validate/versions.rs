@@ -37,6 +37,9 @@ pub(super) fn joins(errors: &mut Errors, versions: &Versions) {
 
 /// A forked version is written once, and then joined.
 pub(super) fn forks(errors: &mut Errors, versions: &Versions) {
+    if versions.fork.iter().all(Option::is_none) {
+        return;
+    }
     let description = errors.description;
     let allowed = "join the unordered writers before anything else is done with what they write";
     for (index, version) in description.versions.iter().enumerate().filter(|(index, _)| !versions.broken[*index]) {
@@ -50,7 +53,7 @@ pub(super) fn forks(errors: &mut Errors, versions: &Versions) {
                 let again = matches!(description.versions[from.0 as usize].source, Source::Pass { .. });
                 let pass = &description.passes[pass.0 as usize];
                 let made = Some(VersionId(index as u32));
-                let used = pass.uses.iter().find(|used| used.makes == made);
+                let used = description.uses_of(pass).iter().find(|used| used.makes == made);
                 let place = Place { pass: Some(pass), slot: used.map(|used| &*used.slot), ..place };
                 if again {
                     errors.add(ErrorKind::BadFork, place, "writes over what one unordered writer wrote", allowed);
