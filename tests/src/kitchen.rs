@@ -8,7 +8,7 @@ use shadowgraph::shader::generated::blocks;
 use shadowgraph::techniques::shadow::map_sampler;
 use shadowgraph::techniques::surface::depth::DepthPrepass;
 use shadowgraph::techniques::transparency::OrderIndependent;
-use shadowgraph::techniques::transparency::abuffer::{ABuffer, Composited};
+use shadowgraph::techniques::transparency::abuffer::{ABuffer, Composited, Node};
 use shadowgraph::techniques::transparency::forward::ForwardLights;
 use shadowgraph::techniques::transparency::fragments::Blended;
 
@@ -77,7 +77,7 @@ impl<'g> Kitchen<'g> {
         let mut graph = Graph::new("soup", self.gpu.caps());
         let view = self.view;
         let Composited { color, count, front, layers, report, known, counter, .. } =
-            record(&mut graph, (&self.scene, view), pull_vertices, |graph, depth, blended, color| {
+            record(&mut graph, (&self.scene, view, abuffer.samples), pull_vertices, |graph, depth, blended, color| {
                 abuffer.record(graph, &view, depth, blended, color)
             });
         graph.capture("color", &color);
@@ -108,6 +108,23 @@ impl<'g> Kitchen<'g> {
         })
     }
 
+    /// The nodes that arrays keep of each pixel, in any order.
+    pub fn nodes(&mut self, abuffer: ABuffer, pull_vertices: bool) -> shadowgraph::Result<Vec<Vec<Node>>> {
+        let mut graph = Graph::new("soup", self.gpu.caps());
+        let view = self.view;
+        let Composited { count, nodes, .. } =
+            record(&mut graph, (&self.scene, view, abuffer.samples), pull_vertices, |graph, depth, blended, color| {
+                abuffer.record(graph, &view, depth, blended, color)
+            });
+        graph.capture("count", &count);
+        graph.capture("nodes", nodes.as_ref().unwrap_or_else(|| panic!("{abuffer:?} has no arrays")));
+        let plan = graph.compile(self.gpu).map_err(shadowgraph::Error::from)?;
+        let executed = self.executor.execute(&plan, graph)?;
+        let mut nodes = abuffer.unpack(&texels::<[u32; 4]>(&executed, "nodes")?).into_iter();
+        let count: Vec<f32> = texels(&executed, "count")?;
+        Ok(count.into_iter().map(|count| nodes.by_ref().take(count as usize).collect()).collect())
+    }
+
     /// The picture that a technique makes beside another one, for the pages.
     pub fn side_by_side(&mut self, how: &dyn OrderIndependent, other: &[[f32; 4]], caption: &str) -> Picture {
         let found = self.composite(how, false).unwrap_or_else(|error| panic!("{error}"));
@@ -121,7 +138,7 @@ impl<'g> Kitchen<'g> {
     pub fn composite(&mut self, how: &dyn OrderIndependent, pull: bool) -> shadowgraph::Result<Vec<[f32; 4]>> {
         let mut graph = Graph::new("soup", self.gpu.caps());
         let view = self.view;
-        let color = record(&mut graph, (&self.scene, view), pull, |graph, depth, blended, color| {
+        let color = record(&mut graph, (&self.scene, view, 1), pull, |graph, depth, blended, color| {
             how.composite(graph, &view, depth, blended, color)
         });
         graph.capture("color", &color);
@@ -133,7 +150,7 @@ impl<'g> Kitchen<'g> {
 /// Opaque depth, the background, and what `composite` makes of the fragments.
 fn record<'f, T>(
     graph: &mut Graph<'f>,
-    (scene, view): (&'f GpuScene, View),
+    (scene, view, samples): (&'f GpuScene, View, u32),
     pull_vertices: bool,
     composite: impl FnOnce(&mut Graph<'f>, &ImageHandle, &Blended<'_, 'f>, ImageHandle) -> T,
 ) -> T {
@@ -146,7 +163,10 @@ fn record<'f, T>(
         sampler: map_sampler(),
         environment: Vec3::ZERO,
     };
-    let depth = DepthPrepass.record(graph, scene, &view);
+    let depth = match samples {
+        1 => DepthPrepass.record(graph, scene, &view),
+        _ => DepthPrepass.record_samples(graph, scene, &view, samples),
+    };
     let color = graph.image("color", ImageShape::new_2d(ash::vk::Format::R32G32B32A32_SFLOAT, view.size));
     let color = graph.clear("background", color, ash::vk::ClearColorValue { float32: BACKGROUND });
     let mut blended = Blended::new(graph, scene, view, &lights);

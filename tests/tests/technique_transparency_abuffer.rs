@@ -5,7 +5,9 @@ use glam::{DVec4, Mat4, Vec3};
 use shadowgraph::capture::auto_exposure;
 use shadowgraph::frame::Transparency;
 use shadowgraph::gpu::Feature;
-use shadowgraph::techniques::transparency::abuffer::{ABuffer, Build, IN_PLACE_MOST, LongSort, NodeFormat, Sizing};
+use shadowgraph::techniques::transparency::abuffer::{
+    ABuffer, Build, IN_PLACE_MOST, LongSort, NodeFormat, Sizing, sample_counts,
+};
 use shadowgraph::techniques::transparency::depth_peeling::DepthPeeling;
 use shadowgraph_tests::compare::Comparison;
 use shadowgraph_tests::device::{shared, silent};
@@ -25,6 +27,7 @@ const LISTS: ABuffer = ABuffer {
     bands: 1,
     layers: 0,
     long_sort: LongSort::Blocks,
+    samples: 1,
 };
 const ARRAYS: ABuffer = ABuffer { build: Build::Arrays, ..LISTS };
 
@@ -118,6 +121,13 @@ fn transparency_abuffer_agrees_with_its_reference() {
     let plain = kitchen.run(ABuffer { format: NodeFormat::Float, ..ARRAYS }, false).unwrap();
     rows.push(colors(&soup, &plain, 1e-5, "float").demand());
     assert!(kitchen.composite(&DepthPeeling::default(), false).unwrap() == plain.color);
+    // Several samples a pixel, each against its own composite.
+    if sample_counts(shared().caps()).contains(&4) {
+        for soup in [Soup::random(2, [64, 32], 60, 0).leaning(9), Soup::random(3, [32, 32], 40, 30).leaning(-7)] {
+            let found = Kitchen::new(shared(), &soup).run(ABuffer { samples: 4, ..ARRAYS }, false).unwrap();
+            rows.push(soup.compare_samples(&found.color, 4, 4e-3, "4 samples, RGB9E5 color").demand());
+        }
+    }
     // So many layers that runs are merged across invocations; the farthest still count.
     let soup = Soup::random(10, [8, 8], 0, 5000).in_objects_of(100).thin(0.001);
     let mut kitchen = Kitchen::new(shared(), &soup);
@@ -159,6 +169,26 @@ fn layers(subject: &Subject, transparency: Transparency) -> Part {
     })
 }
 
+/// Triangles of one sample a pixel, and of four beside them: each pixel six times as large.
+fn edges() -> Picture {
+    const LARGER: usize = 6;
+    let soup = Soup::random(34, [64, 64], 9, 0);
+    let mut kitchen = Kitchen::new(shared(), &soup);
+    let both = [1, 4].map(|samples| kitchen.run(ABuffer { samples, ..ARRAYS }, false).unwrap().color);
+    let side = soup.size[0] as usize * LARGER;
+    let pixel = |i: usize| {
+        let [x, y] = [i % (2 * side), i / (2 * side)];
+        let [red, green, blue, _] = both[x / side][y / LARGER * 64 + x % side / LARGER];
+        [red, green, blue]
+    };
+    Picture {
+        size: [2 * side as u32, side as u32],
+        pixels: (0..2 * side * side).map(pixel).collect(),
+        exposure: 0.9,
+        caption: "Triangles of one sample a pixel, and of four".into(),
+    }
+}
+
 fn publish(rows: &[Figure]) {
     let picture = |subject: Subject, caption: &str| {
         let shown = subject.changed(|s| s.size = [480, 270]);
@@ -169,6 +199,9 @@ fn publish(rows: &[Figure]) {
     };
     let through = picture(glass(), "Four panes of glass multiply what lies behind them, channel by channel");
     figures::publish_picture("techniques/transparency", "abuffer_glass", &through);
+    if sample_counts(shared().caps()).contains(&4) {
+        figures::publish_picture("techniques/transparency", "abuffer_samples", &edges());
+    }
     let picture = picture(crossing(), "Two of four panes go through each other, before a wall");
     figures::publish(shared(), "transparency", "abuffer", rows, Some(&picture));
 }

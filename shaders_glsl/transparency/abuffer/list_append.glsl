@@ -34,6 +34,7 @@ uint take_node() {
 #endif
 
 void append(Layer layer, uint key) {
+    Covered covered = fragment_covered();
 #ifdef BY_SUBGROUP
     if (HELPERS_VOTE && gl_HelperInvocation) { // takes no node
         return;
@@ -42,7 +43,7 @@ void append(Layer layer, uint key) {
     uint node = take_node();
     if (node < abuffer.capacity) {
         uint next = imageAtomicExchange(heads, ivec2(gl_FragCoord.xy), node);
-        store_node(node, key, layer, next);
+        store_node(node, covered, key, layer, next);
         if (LINK_BESIDE) {
             imageStore(links, node_texel(node), uvec4(next));
         }

@@ -9,10 +9,14 @@
 //   float, tinted      2        depth; key; through red; green  |  red; green; blue; through blue
 //   transmittance      1        depth; key; through (21·21·21, in two words): no colour
 //
+// Where pixels have several samples, the key of every format is 24 bits before 8 of samples, and the alpha of compact nodes
+// stands in place of `next`.
+//
 // `next` is there in lists. Lists of the formats that do not show it have it in an image of its own. Depth is reversed and
 // not negative, so that its bits sort as it does. Of equal depth the larger key is in front.
 
 #include "transparency/composite.glsl"
+#include "transparency/abuffer/samples.glsl"
 
 const uint NODE_COMPACT = 0u;
 const uint NODE_HALF = 1u;
@@ -30,7 +34,7 @@ const uint NODE_ROW = 4096u;
 
 const uint NODE_TEXELS = NODE_FORMAT == NODE_FLOAT || NODE_FORMAT == NODE_FLOAT_TINTED ? 2u : 1u;
 // Whether `next` is in an image of its own.
-const bool LINK_BESIDE = NODE_FORMAT != NODE_COMPACT && NODE_FORMAT != NODE_FLOAT;
+const bool LINK_BESIDE = (NODE_FORMAT != NODE_COMPACT || SAMPLES > 1u) && NODE_FORMAT != NODE_FLOAT;
 
 ivec2 node_texel(uint texel) {
     return ivec2(texel % NODE_ROW, texel / NODE_ROW);
@@ -66,9 +70,21 @@ vec3 unpack_shared_exponent(uint word) {
     return vec3(word & 511u, word >> 9 & 511u, word >> 18 & 511u) * scale;
 }
 
+uint pack_alpha(float alpha) {
+    return uint(clamp(alpha, 0.0, 1.0) * 255.0 + 0.5);
+}
+
 // Second word of a node, by which nodes of equal depth are told apart.
-uint pack_key(uint key, float alpha) {
-    return NODE_FORMAT == NODE_COMPACT ? key << 8 | uint(clamp(alpha, 0.0, 1.0) * 255.0 + 0.5) : key;
+uint pack_key(uint key, float alpha, uint samples) {
+    if (SAMPLES > 1u) {
+        return key << SAMPLE_BITS | samples;
+    }
+    return NODE_FORMAT == NODE_COMPACT ? key << 8 | pack_alpha(alpha) : key;
+}
+
+// The samples that a node is seen at, from its second word.
+uint node_samples(uint key) {
+    return key & ((1u << SAMPLE_BITS) - 1u);
 }
 
 uint pack_through_10(vec3 through) {
@@ -93,7 +109,7 @@ vec3 unpack_through_21(uvec2 words) {
 }
 
 // A texel of a node.
-uvec4 pack_node(uint texel, float depth, uint key, Layer layer, uint next) {
+uvec4 pack_node(uint texel, Covered covered, uint key, Layer layer, uint next) {
     vec3 rgb = layer.rgb * (1.0 / NODE_UNIT);
     if (texel == 1u && NODE_FORMAT == NODE_FLOAT) {
         return floatBitsToUint(vec4(rgb, layer.alpha));
@@ -101,9 +117,9 @@ uvec4 pack_node(uint texel, float depth, uint key, Layer layer, uint next) {
     if (texel == 1u && NODE_FORMAT == NODE_FLOAT_TINTED) {
         return floatBitsToUint(vec4(rgb, layer.through.b));
     }
-    uvec4 node = uvec4(floatBitsToUint(depth), pack_key(key, layer.alpha), next, 0u);
+    uvec4 node = uvec4(floatBitsToUint(covered.depth), pack_key(key, layer.alpha, covered.samples), next, 0u);
     if (NODE_FORMAT == NODE_COMPACT) {
-        node.zw = uvec2(pack_shared_exponent(rgb), next);
+        node.zw = uvec2(pack_shared_exponent(rgb), SAMPLES > 1u ? pack_alpha(layer.alpha) : next);
     } else if (NODE_FORMAT == NODE_HALF) {
         rgb = clamp(rgb, 0.0, HALF_MAX);
         node.zw = uvec2(packHalf2x16(rgb.rg), packHalf2x16(vec2(rgb.b, layer.alpha)));
@@ -131,7 +147,7 @@ Layer unpack_node(uvec4 node, uvec4 rest) {
     }
     vec4 color;
     if (NODE_FORMAT == NODE_COMPACT) {
-        color = vec4(unpack_shared_exponent(node.z), float(node.y & 255u) * (1.0 / 255.0));
+        color = vec4(unpack_shared_exponent(node.z), float((SAMPLES > 1u ? node.w : node.y) & 255u) * (1.0 / 255.0));
     } else if (NODE_FORMAT == NODE_HALF) {
         color = vec4(unpackHalf2x16(node.z), unpackHalf2x16(node.w));
     } else {

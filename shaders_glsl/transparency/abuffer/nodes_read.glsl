@@ -21,10 +21,10 @@ uint node_after(uint node, uvec4 texel) {
     if (!LINKED) {
         return node + 1u;
     }
-    if (NODE_FORMAT == NODE_COMPACT) {
-        return texel.w;
+    if (LINK_BESIDE) {
+        return imageLoad(links, node_texel(node)).x;
     }
-    return LINK_BESIDE ? imageLoad(links, node_texel(node)).x : texel.z;
+    return NODE_FORMAT == NODE_COMPACT ? texel.w : texel.z;
 }
 
 // A key as a signed number that sorts as it does.

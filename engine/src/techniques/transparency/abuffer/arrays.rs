@@ -6,7 +6,7 @@ use ash::vk;
 use super::resolve::Resolved;
 use super::scan::{Scanned, chunks_of, scan};
 use super::told::{Amount, Told};
-use super::{ABuffer, Built, Composited, Known};
+use super::{ABuffer, Built, Composited, Known, NAME, samples};
 use crate::gpu::Feature;
 use crate::graph::{BufferHandle, Checkpoint, Data, Graph, ImageHandle, ImageShape};
 use crate::scene::View;
@@ -14,8 +14,6 @@ use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::abuffer::array_in_order_frag as ordered;
 use crate::shader::generated::transparency::abuffer::{array_frag, rows_comp, scan_offsets_comp};
 use crate::techniques::transparency::fragments::{Draw, Fragments, Step, count, fragment_pass};
-
-const NAME: &str = "abuffer";
 
 /// Memory that is made once and used by one band after the other, so that no two are there at once.
 struct Room {
@@ -43,7 +41,10 @@ impl ABuffer {
         color: ImageHandle,
     ) -> Composited {
         // 1. How many fragments each pixel has.
-        let count = count(graph, NAME, depth, fragments);
+        let count = match self.samples {
+            1 => count(graph, NAME, depth, fragments),
+            _ => samples::count(graph, depth, fragments),
+        };
         let mut onto = Resolved::new(graph, self.layers, color);
         if self.bands <= 1 {
             // 2. All at once: arrays, then sort and composite.
@@ -125,7 +126,7 @@ impl ABuffer {
 
         // 2. Filled.
         let specialize = |program| self.specialized(program);
-        let step = filling(graph, fragments);
+        let step = if self.samples > 1 { Step::ArraysMultisampled } else { filling(graph, fragments) };
         let mut pass = fragment_pass(graph, format!("{name}.fill"), depth, (fragments, step), specialize);
         pass.uniform_data(array_frag::ABUFFER, frame);
         let nodes = pass.write(array_frag::NODES, nodes);

@@ -42,7 +42,7 @@ impl ABuffer {
         let count = graph.clear("abuffer.count.begin", count, vk::ClearColorValue::default());
         let onto = Resolved::new(graph, self.layers, color);
         let (resolved, count, totals, counter) = match sizing {
-            Sizing::Counted => {
+            Sizing::Counted if self.samples == 1 => {
                 // 1. How many fragments there are, then lists of as many nodes.
                 samples(graph, depth, fragments);
                 let told = graph.checkpoint_samples("abuffer.samples", "abuffer.samples");
@@ -57,8 +57,9 @@ impl ABuffer {
                 let ((built, sorted), totals, count) = self.listed(graph, "abuffer", lists, count, frame);
                 (self.resolve(graph, view, &built, sorted, onto).0, count, totals, counter)
             }
-            Sizing::Guessed(capacity) => {
+            Sizing::Counted | Sizing::Guessed(_) => {
                 // 1. Lists of so many nodes; the counter counts all fragments.
+                let capacity = if let Sizing::Guessed(capacity) = sizing { capacity } else { 0 };
                 let most = self.most_nodes(caps, true);
                 let capacity = u64::from(capacity).min(most) as u32;
                 let room = self.image_size(u64::from(capacity));
@@ -144,6 +145,7 @@ impl ABuffer {
             .read(list_counts_comp::LINKS, &links)
             .read(list_counts_comp::HEADS, &heads)
             .specialize(list_counts_comp::NODE_FORMAT, self.format.number())
+            .specialize(list_counts_comp::SAMPLES, self.samples)
             .specialize(list_counts_comp::LINKED, true);
         let count = pass.write(list_counts_comp::COUNTS, count);
         pass.dispatch([size[0], size[1], 1]);

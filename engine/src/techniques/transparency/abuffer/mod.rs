@@ -10,6 +10,7 @@ mod lists;
 mod nearest;
 mod node;
 mod resolve;
+mod samples;
 mod scan;
 mod sorted;
 mod told;
@@ -17,6 +18,7 @@ mod told;
 pub use nearest::NearestLayer;
 pub use node::{COMPACT_TRIANGLES, Node, NodeFormat};
 pub use resolve::{IN_PLACE_MOST, MOST_LAYERS};
+pub use samples::sample_counts;
 pub use sorted::{MOST_SORTED, SortedLists};
 
 use self::node::TEXEL;
@@ -29,6 +31,8 @@ use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::abuffer::sort_comp;
 use crate::techniques::transparency::OrderIndependent;
 use crate::techniques::transparency::fragments::{Fragments, Step};
+
+const NAME: &str = "abuffer";
 
 /// A-buffer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,6 +55,10 @@ pub struct ABuffer {
     pub layers: u32,
     /// How pixels of more than 16 layers are sorted.
     pub long_sort: LongSort,
+    /// Samples a pixel, 1, 2, 4 or 8, of which the opaque depth has as many: edges of layers are anti-aliased, and so is
+    /// what they hide behind. A fragment is shaded once a pixel and kept with the samples that it is seen at. Needs
+    /// [`crate::gpu::Feature::PostDepthCoverage`].
+    pub samples: u32,
 }
 
 impl Default for ABuffer {
@@ -64,6 +72,7 @@ impl Default for ABuffer {
             bands: 1,
             layers: 0,
             long_sort: LongSort::default(),
+            samples: 1,
         }
     }
 }
@@ -76,7 +85,7 @@ pub enum Build {
     Arrays,
     /// Linked lists, nodes allocated by one counter: the reference that the arrays are measured against.
     Lists(Sizing),
-    /// The same, with one addition to the counter for all fragments of a subgroup. Needs
+    /// The same, with one addition to the counter for all fragments of a subgroup, where pixels have one sample. Needs
     /// [`crate::gpu::Feature::FragmentBallot`].
     SubgroupLists(Sizing),
 }
@@ -112,7 +121,8 @@ impl LongSort {
 /// How many nodes linked lists have room for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sizing {
-    /// As many as a precise occlusion query counts before. Needs `occlusionQueryPrecise`.
+    /// As many as a precise occlusion query counts before. Needs `occlusionQueryPrecise`. Of several samples a pixel a query
+    /// counts each, so the lists' counter counts instead, in a pass that keeps nothing.
     Counted,
     /// So many. Where that is too few, the lists are built again in the same frame, with as many as there are.
     Guessed(u32),
@@ -192,12 +202,13 @@ impl Built {
     }
 
     /// What a pass over nodes of pixels reads: `nodes_read.glsl` and `work.glsl`.
-    fn bind(&self, pass: &mut ComputePass, format: NodeFormat) {
+    fn bind(&self, pass: &mut ComputePass, of: &ABuffer) {
         pass.read(sort_comp::NODES, &self.nodes)
             .read(sort_comp::LINKS, self.links())
             .read(sort_comp::TOTALS, &self.scanned.totals)
             .read(sort_comp::WORK, &self.work)
-            .specialize(sort_comp::NODE_FORMAT, format.number())
+            .specialize(sort_comp::NODE_FORMAT, of.format.number())
+            .specialize(sort_comp::SAMPLES, of.samples)
             .specialize(sort_comp::LINKED, self.linked);
     }
 }
@@ -206,7 +217,8 @@ impl ABuffer {
     /// Composites all fragments before the opaque `depth` over `color` (R32G32B32A32 float, premultiplied).
     ///
     /// Running the frame fails with [`crate::Error::Invalid`], and says what would be needed, where there is no
-    /// room for all fragments, in as many bands as there may be, or a pixel has more than [`MOST_LAYERS`].
+    /// room for all fragments, in as many bands as there may be, or a pixel has more than [`MOST_LAYERS`]. Compiling it
+    /// fails where the device cannot rasterise as many samples a pixel as are asked for, or `depth` has others.
     pub fn record<'f>(
         &self,
         graph: &mut Graph<'f>,
@@ -215,13 +227,16 @@ impl ABuffer {
         fragments: &dyn Fragments<'f>,
         color: ImageHandle,
     ) -> Composited {
-        match self.build {
-            Build::Arrays => self.by_arrays(graph, view, depth, fragments, color),
-            Build::Lists(sizing) => self.by_lists((Step::Lists, sizing), graph, view, depth, fragments, color),
-            Build::SubgroupLists(sizing) => {
-                self.by_lists((Step::SubgroupLists, sizing), graph, view, depth, fragments, color)
+        samples::check(graph, self.samples, depth);
+        let linked = match self.build {
+            Build::Arrays => return self.by_arrays(graph, view, depth, fragments, color),
+            Build::Lists(sizing) | Build::SubgroupLists(sizing) if self.samples > 1 => {
+                (Step::ListsMultisampled, sizing)
             }
-        }
+            Build::Lists(sizing) => (Step::Lists, sizing),
+            Build::SubgroupLists(sizing) => (Step::SubgroupLists, sizing),
+        };
+        self.by_lists(linked, graph, view, depth, fragments, color)
     }
 }
 

@@ -101,7 +101,7 @@ impl ABuffer {
         let groups = offset_of!(blocks::Totals, class_groups) as u64;
         for (class, slots) in [4, 8, SHORT].into_iter().enumerate() {
             let mut pass = graph.compute(format!("{}.resolve.{slots}", built.name), &resolve_comp::SHADER);
-            built.bind(&mut pass, self.format);
+            built.bind(&mut pass, self);
             pass.uniform_data(resolve_comp::ABUFFER, built.frame)
                 .read(resolve_comp::ENDS, &built.ends)
                 .specialize(resolve_comp::NODE_UNIT, self.unit())
@@ -165,7 +165,7 @@ impl ABuffer {
             return sorted;
         }
         let mut pass = graph.compute(format!("{}.long.in_place", built.name), &long_in_place_comp::SHADER);
-        built.bind(&mut pass, self.format);
+        built.bind(&mut pass, self);
         pass.specialize(long_in_place_comp::LONG_SORT, self.long_sort.number());
         let sorted = pass.write(long_in_place_comp::SORTED, sorted);
         pass.dispatch_indirect(&built.scanned.totals, LONG_GROUPS);
@@ -192,6 +192,7 @@ impl ABuffer {
             .read(long_composite_comp::EVEN, &even)
             .read(long_composite_comp::ODD, &odd)
             .specialize(long_composite_comp::NODE_FORMAT, self.format.number())
+            .specialize(long_composite_comp::SAMPLES, self.samples)
             .specialize(long_composite_comp::NODE_UNIT, self.unit())
             .specialize(long_composite_comp::LONG_SORT, self.long_sort.number())
             .specialize(long_composite_comp::LINKED, built.linked);
@@ -204,7 +205,7 @@ impl ABuffer {
     /// Nodes of long lists, side by side.
     fn flatten(&self, graph: &mut Graph, built: &Built, to: ImageHandle) -> ImageHandle {
         let mut pass = graph.compute(format!("{}.long.flatten", built.name), &long_flatten_comp::SHADER);
-        built.bind(&mut pass, self.format);
+        built.bind(&mut pass, self);
         pass.specialize(long_flatten_comp::LONG_SORT, self.long_sort.number());
         let to = pass.write(long_flatten_comp::FLAT_NODES, to);
         pass.dispatch_indirect(&built.scanned.totals, LONG_GROUPS);
@@ -214,7 +215,7 @@ impl ABuffer {
     /// How far the nearest layer is.
     fn front(&self, graph: &mut Graph, view: &View, built: &Built, front: ImageHandle) -> ImageHandle {
         let mut pass = graph.compute(format!("{}.front", built.name), &front_comp::SHADER);
-        built.bind(&mut pass, self.format);
+        built.bind(&mut pass, self);
         pass.uniform(front_comp::VIEWS, &ViewSet::from(*view).block()).uniform_data(front_comp::ABUFFER, built.frame);
         let front = pass.write(front_comp::FRONT, front);
         pass.dispatch_indirect(&built.scanned.totals, offset_of!(blocks::Totals, work_groups) as u64);
