@@ -9,6 +9,7 @@ use shadowgraph::techniques::transparency::abuffer::{
     ABuffer, Build, IN_PLACE_MOST, LongSort, NodeFormat, Sizing, sample_counts,
 };
 use shadowgraph::techniques::transparency::depth_peeling::DepthPeeling;
+use shadowgraph::techniques::transparency::fragments::Step;
 use shadowgraph_tests::compare::Comparison;
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::exr_file::Part;
@@ -64,7 +65,7 @@ fn sound(found: &Found) {
     let sum: f64 = found.count.iter().map(|&count| f64::from(count)).sum();
     assert_eq!(sum, f64::from(found.nodes), "sum of the pixels' layers and nodes");
     assert_eq!(found.count.iter().fold(0.0f32, |a, &b| a.max(b)), found.longest as f32);
-    assert_eq!(found.report, [0, 0]);
+    assert_eq!(found.report, [0; 3]);
     assert!(found.counter.is_none_or(|counter| counter == found.nodes), "{found:?}");
     assert!(found.samples.is_none_or(|samples| samples == u64::from(found.nodes)), "{found:?}");
 }
@@ -316,6 +317,33 @@ fn transparency_abuffer_without_memory_says_how_much_it_needs() {
     silent(shared());
 }
 
+/// Fragments that come when nobody counted them are lost, and the device says how many: of lists those that are in none, of
+/// arrays the pixels that were filled beyond their end.
+#[test]
+fn transparency_abuffer_tells_what_it_lost() {
+    for soup in [Soup::random(8, [16, 16], 3, 1), Soup::random(2, [64, 32], 60, 0)] {
+        let mut kitchen = Kitchen::new(shared(), &soup);
+        let covered = soup.fragments().iter().filter(|fragments| !fragments.is_empty()).count() as u32;
+        let whole = kitchen.run(LISTS, false).unwrap();
+        assert_eq!(whole.report, [0; 3]);
+        // The query counted half of them.
+        kitchen.twice = Some(Step::Lists);
+        let found = kitchen.run(LISTS, false).unwrap();
+        assert_eq!((found.counter, found.report), (Some(2 * whole.nodes), [0, 0, whole.nodes]), "{}", soup.name);
+        // A guess that was too small is made good.
+        for capacity in [0, whole.nodes, 2 * whole.nodes] {
+            let build = Build::Lists(Sizing::Guessed(capacity));
+            assert_eq!(kitchen.run(ABuffer { build, ..LISTS }, false).unwrap().report, [0; 3], "{capacity}");
+        }
+        kitchen.twice = Some(match shared().caps().has(Feature::OrderedAttachments) {
+            true => Step::ArraysInOrder,
+            false => Step::Arrays,
+        });
+        assert_eq!(kitchen.run(ARRAYS, false).unwrap().report, [covered, 0, 0], "{}", soup.name);
+    }
+    silent(shared());
+}
+
 /// Colours beyond what a format holds are counted, and a larger unit holds them.
 #[test]
 fn transparency_abuffer_counts_what_it_clamps() {
@@ -326,12 +354,12 @@ fn transparency_abuffer_counts_what_it_clamps() {
     for build in [ARRAYS, LISTS] {
         for format in [NodeFormat::Compact, NodeFormat::Half] {
             let found = kitchen.run(ABuffer { format, ..build }, false).unwrap();
-            assert_eq!(found.report, [0, covered], "{format:?}");
+            assert_eq!(found.report, [0, covered, 0], "{format:?}");
             let found = kitchen.run(ABuffer { format, exponent: 1, ..build }, false).unwrap();
-            assert_eq!(found.report, [0, 0], "{format:?}");
+            assert_eq!(found.report, [0; 3], "{format:?}");
         }
         let found = kitchen.run(ABuffer { format: NodeFormat::Float, ..build }, false).unwrap();
-        assert_eq!(found.report, [0, 0]);
+        assert_eq!(found.report, [0; 3]);
     }
     silent(shared());
 }
@@ -433,7 +461,7 @@ fn transparency_abuffer_sorts_alike_by_every_method() {
         for long_sort in [LongSort::Shell, LongSort::Heap, LongSort::Bitonic] {
             for build in [ARRAYS, LISTS] {
                 let found = kitchen.run(ABuffer { long_sort, ..build }, false).unwrap();
-                assert!(found.color == blocks.color && found.report == [0, 0], "{}: {long_sort:?}", soup.name);
+                assert!(found.color == blocks.color && found.report == [0; 3], "{}: {long_sort:?}", soup.name);
             }
         }
     }

@@ -145,9 +145,12 @@ pub fn render(
 fn check_layers(executed: &Executed) -> Result<()> {
     let Some(report) = executed.captures.iter().find(|capture| capture.name == ABUFFER_REPORT) else { return Ok(()) };
     let report = report.texels::<ABufferReport>()?.first().copied();
-    let Some(ABufferReport { lost_pixels, clamped_pixels }) = report else { return Ok(()) };
+    let Some(ABufferReport { lost_pixels, clamped_pixels, lost_nodes }) = report else { return Ok(()) };
     if lost_pixels > 0 {
         return Err(Failure::failed(format!("the A-buffer lost layers of {lost_pixels} pixels")));
+    }
+    if lost_nodes > 0 {
+        return Err(Failure::failed(format!("the A-buffer lost {lost_nodes} layers")));
     }
     if clamped_pixels > 0 {
         log::warn!("{clamped_pixels} pixels have layers brighter than the A-buffer's nodes hold; --float keeps them");

@@ -135,7 +135,20 @@ impl ABuffer {
             _ => pass.write(array_frag::CURSORS, cursors),
         };
         pass.draw(within(fragments.draw(step)));
-        Arrays { built: Built { name, nodes, linked: false, links: None, scanned, ends: cursors, work, frame }, sorted }
+        Arrays {
+            built: Built {
+                name,
+                nodes,
+                linked: false,
+                links: None,
+                scanned,
+                ends: cursors,
+                counter: None,
+                work,
+                frame,
+            },
+            sorted,
+        }
     }
 
     /// Sorts arrays and composites them. Gives their memory back.

@@ -10,7 +10,7 @@ use crate::graph::{BufferHandle, Checkpoint, Data, Graph, ImageHandle, ImageShap
 use crate::scene::View;
 use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::abuffer::{
-    list_counts_comp, list_frag, list_offsets_comp, list_subgroup_frag,
+    list_check_comp, list_counts_comp, list_frag, list_offsets_comp, list_subgroup_frag,
 };
 use crate::techniques::transparency::fragments::{Fragments, Step, fragment_pass};
 
@@ -137,7 +137,7 @@ impl ABuffer {
         count: ImageHandle,
         frame: Data,
     ) -> ((Built, [ImageHandle; 2]), Checkpoint<blocks::Totals>, ImageHandle) {
-        let Lists { nodes, links, heads, .. } = lists;
+        let Lists { nodes, links, heads, counter } = lists;
         let size = heads.size();
         let mut pass = graph.compute(format!("{name}.lengths"), &list_counts_comp::SHADER);
         pass.uniform_data(list_counts_comp::ABUFFER, frame)
@@ -164,9 +164,30 @@ impl ABuffer {
         let work = pass.write(list_offsets_comp::WORK, work);
         pass.dispatch([chunks_of(size) as u32, 1, 1]);
         let sorted = self.sorted_room(graph, name, &told);
-        let built =
-            Built { name: name.into(), nodes, linked: true, links: Some(links), scanned, ends: heads, work, frame };
+        let built = Built {
+            name: name.into(),
+            nodes,
+            linked: true,
+            links: Some(links),
+            scanned,
+            ends: heads,
+            counter: Some(counter),
+            work,
+            frame,
+        };
         ((built, sorted), totals, count)
+    }
+
+    /// Counts nodes that are in no list.
+    pub(super) fn check_lists(&self, graph: &mut Graph, built: &Built, report: BufferHandle) -> BufferHandle {
+        let Some(counter) = &built.counter else { return report };
+        let mut pass = graph.compute(format!("{}.check", built.name), &list_check_comp::SHADER);
+        pass.uniform_data(list_check_comp::ABUFFER, built.frame)
+            .read(list_check_comp::TOTALS, &built.scanned.totals)
+            .read(list_check_comp::COUNTER, counter);
+        let report = pass.write(list_check_comp::REPORT, report);
+        pass.dispatch([1, 1, 1]);
+        report
     }
 }
 

@@ -189,6 +189,8 @@ struct Built {
     links: Option<ImageHandle>,
     /// By pixel: of arrays, their ends; of lists, their heads.
     ends: ImageHandle,
+    /// Of lists, how many nodes fragments asked for.
+    counter: Option<BufferHandle>,
     /// Pixels that have nodes, class by class.
     work: BufferHandle,
     /// `frame.glsl`'s block.

@@ -81,7 +81,8 @@ impl ABuffer {
         let (onto, sorted) = self.long(graph, built, sorted, onto);
         let front = self.front(graph, view, built, onto.front);
         let nearest = self.nearest(graph, view, built, onto.nearest);
-        (Resolved { front, nearest, ..onto }, sorted)
+        let report = self.check_lists(graph, built, onto.report);
+        (Resolved { color: onto.color, report, front, nearest }, sorted)
     }
 
     /// Two images that long lists are sorted in.
