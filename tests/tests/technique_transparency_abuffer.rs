@@ -102,9 +102,11 @@ fn transparency_abuffer_agrees_with_its_reference() {
         Soup::random(17, [32, 32], 12, 48).made_of(&[Kind::Glass]),
         Soup::coplanar([32, 32], 21).made_of(&every),
     ];
-    for (format, tolerance, name) in
-        [(NodeFormat::CompactTinted, 4e-3, "RGB9E5, tinted"), (NodeFormat::FloatTinted, 1e-5, "float, tinted")]
-    {
+    for (format, tolerance, name) in [
+        (NodeFormat::CompactTinted, 4e-3, "RGB9E5, tinted"),
+        (NodeFormat::HalfTinted, 2e-3, "half, tinted"),
+        (NodeFormat::FloatTinted, 1e-5, "float, tinted"),
+    ] {
         for soup in &soups {
             let mut kitchen = Kitchen::new(shared(), soup);
             let arrays = kitchen.run(ABuffer { format, ..ARRAYS }, false).unwrap();
@@ -352,7 +354,7 @@ fn transparency_abuffer_counts_what_it_clamps() {
     let mut kitchen = Kitchen::new(shared(), &soup);
     let covered = soup.fragments().iter().filter(|fragments| !fragments.is_empty()).count() as u32;
     for build in [ARRAYS, LISTS] {
-        for format in [NodeFormat::Compact, NodeFormat::Half] {
+        for format in [NodeFormat::Compact, NodeFormat::Half, NodeFormat::HalfTinted] {
             let found = kitchen.run(ABuffer { format, ..build }, false).unwrap();
             assert_eq!(found.report, [0, covered, 0], "{format:?}");
             let found = kitchen.run(ABuffer { format, exponent: 1, ..build }, false).unwrap();

@@ -34,6 +34,6 @@ void append(Layer layer, uint key) {
 #endif
     uint node = take_node();
     if (node < abuffer.capacity) {
-        store_node(node, covered, key, layer, NO_NODE);
+        store_node(node, covered, key, layer, NO_NODE, false);
     }
 }

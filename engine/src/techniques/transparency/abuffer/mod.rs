@@ -15,6 +15,8 @@ mod scan;
 mod sorted;
 mod told;
 
+use ash::vk;
+
 pub use nearest::NearestLayer;
 pub use node::{COMPACT_TRIANGLES, Node, NodeFormat};
 pub use resolve::{IN_PLACE_MOST, MOST_LAYERS};
@@ -33,6 +35,10 @@ use crate::techniques::transparency::OrderIndependent;
 use crate::techniques::transparency::fragments::{Fragments, Step};
 
 const NAME: &str = "abuffer";
+
+/// Of images of nodes, and of what is beside them.
+const NODES: vk::Format = vk::Format::R32G32B32A32_UINT;
+const BESIDE: vk::Format = vk::Format::R32_UINT;
 
 /// A-buffer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -139,7 +145,8 @@ pub struct Composited {
     /// The nearest layers, as many as [`ABuffer::layers`] asks for.
     pub layers: Vec<NearestLayer>,
     /// Nodes of [`Build::Arrays`], R32G32B32A32 uint texels row by row, for [`ABuffer::unpack`]: those of the first pixel,
-    /// then those of the next in its row, each pixel's in any order. `None` where there may be several bands.
+    /// then those of the next in its row, each pixel's in any order. `None` where there may be several bands, or nodes are
+    /// [`NodeFormat::HalfTinted`].
     pub nodes: Option<ImageHandle>,
     /// One [`blocks::ABufferReport`].
     pub report: BufferHandle,
@@ -185,8 +192,8 @@ struct Built {
     nodes: ImageHandle,
     linked: bool,
     scanned: Scanned,
-    /// Of lists, by node, the next one, where the node itself does not say so.
-    links: Option<ImageHandle>,
+    /// Words of nodes that do not fit into their texels.
+    beside: ImageHandle,
     /// By pixel: of arrays, their ends; of lists, their heads.
     ends: ImageHandle,
     /// Of lists, how many nodes fragments asked for.
@@ -198,15 +205,10 @@ struct Built {
 }
 
 impl Built {
-    /// What stands for links: arrays have none, and nobody reads them.
-    fn links(&self) -> &ImageHandle {
-        self.links.as_ref().unwrap_or(&self.ends)
-    }
-
     /// What a pass over nodes of pixels reads: `nodes_read.glsl` and `work.glsl`.
     fn bind(&self, pass: &mut ComputePass, of: &ABuffer) {
         pass.read(sort_comp::NODES, &self.nodes)
-            .read(sort_comp::LINKS, self.links())
+            .read(sort_comp::BESIDE, &self.beside)
             .read(sort_comp::TOTALS, &self.scanned.totals)
             .read(sort_comp::WORK, &self.work)
             .specialize(sort_comp::NODE_FORMAT, of.format.number())

@@ -26,14 +26,16 @@ pub enum NodeFormat {
     CompactTinted,
     /// 32-bit floats, and what is let through channel by channel: 32 bytes a node, 36 in lists.
     FloatTinted,
+    /// Half-floats, and what is let through channel by channel, half-floats too: 20 bytes a node, 24 in lists.
+    HalfTinted,
     /// What is let through alone, 21 bits a channel, and no colour: 16 bytes a node, 20 in lists.
     Transmittance,
 }
 
 /// Bytes of a texel of nodes.
 pub(super) const TEXEL: u64 = 16;
-/// Bytes of what says which node comes next.
-const LINK: u64 = 4;
+/// Bytes of a word beside a node.
+const WORD: u64 = 4;
 /// Texels of a row of the nodes' image: `node.glsl`.
 const ROW: u32 = 4096;
 
@@ -41,7 +43,7 @@ impl NodeFormat {
     /// Texels of a node.
     pub(super) fn texels(self) -> u64 {
         match self {
-            Self::Compact | Self::Half | Self::CompactTinted | Self::Transmittance => 1,
+            Self::Compact | Self::Half | Self::CompactTinted | Self::HalfTinted | Self::Transmittance => 1,
             Self::Float | Self::FloatTinted => 2,
         }
     }
@@ -55,13 +57,14 @@ impl NodeFormat {
             Self::CompactTinted => 3,
             Self::FloatTinted => 4,
             Self::Transmittance => 5,
+            Self::HalfTinted => 6,
         }
     }
 
     /// Whether light that passes through a layer is multiplied channel by channel. Other formats keep one alpha, and
     /// materials have no transmission.
     pub fn is_tinted(self) -> bool {
-        matches!(self, Self::CompactTinted | Self::FloatTinted | Self::Transmittance)
+        matches!(self, Self::CompactTinted | Self::HalfTinted | Self::FloatTinted | Self::Transmittance)
     }
 }
 
@@ -86,25 +89,28 @@ pub(super) fn texels_size(texels: u64) -> [u32; 2] {
 }
 
 impl ABuffer {
-    /// Whether lists have the next node in an image of its own: [`NodeFormat::Compact`] has no room for it beside samples.
-    fn links_beside(&self) -> bool {
-        match self.format {
+    /// Words beside a node of an array or a list: the next node, which [`NodeFormat::Compact`] has no room for where there are
+    /// samples, and what else does not fit.
+    fn words_beside(&self, linked: bool) -> u64 {
+        let link = match self.format {
             NodeFormat::Compact => self.samples > 1,
             NodeFormat::Float => false,
             _ => true,
-        }
+        };
+        u64::from(linked && link) + u64::from(self.format == NodeFormat::HalfTinted)
     }
 
     /// Bytes of a node of an array or a list.
     pub(super) fn node_bytes(&self, linked: bool) -> u64 {
-        self.format.texels() * TEXEL + if linked && self.links_beside() { LINK } else { 0 }
+        self.format.texels() * TEXEL + self.words_beside(linked) * WORD
     }
 
     /// Most nodes that there may be.
     pub(super) fn most_nodes(&self, caps: &Caps, linked: bool) -> u64 {
         let rows = u64::from(caps.limits.max_image_dimension_2d);
         let bytes = caps.limits.max_allocation_size.min(self.memory);
-        let most = (rows * u64::from(ROW) / self.format.texels()).min(bytes / self.node_bytes(linked));
+        let texels = self.format.texels().max(self.words_beside(linked));
+        let most = (rows * u64::from(ROW) / texels).min(bytes / self.node_bytes(linked));
         most.min(u64::from(u32::MAX - 1))
     }
 
@@ -128,9 +134,9 @@ impl ABuffer {
         Ok(self.image_size(nodes))
     }
 
-    /// Size of the image of their links, of lists.
-    pub(super) fn links_size(&self, nodes: u64) -> [u32; 2] {
-        texels_size(if self.links_beside() { nodes } else { 0 })
+    /// Size of the image of what is beside them.
+    pub(super) fn beside_size(&self, nodes: u64, linked: bool) -> [u32; 2] {
+        texels_size(nodes * self.words_beside(linked))
     }
 
     /// What colours are stored as multiples of.
@@ -138,7 +144,8 @@ impl ABuffer {
         (self.exponent.clamp(-64, 64) as f32).exp2()
     }
 
-    /// Nodes from the texels of [`super::Composited::nodes`], as `node.glsl` packed them.
+    /// Nodes from the texels of [`super::Composited::nodes`], as `node.glsl` packed them. None of
+    /// [`NodeFormat::HalfTinted`], which are not in these texels alone.
     pub fn unpack(&self, texels: &[[u32; 4]]) -> Vec<Node> {
         let unit = self.unit();
         let scaled = |[red, green, blue]: [f32; 3], alpha: f32| [red * unit, green * unit, blue * unit, alpha];
@@ -162,7 +169,7 @@ impl ABuffer {
                     let [red, green, blue, alpha] = texels[1].map(float);
                     plain(scaled([red, green, blue], alpha))
                 }
-                NodeFormat::CompactTinted => {
+                NodeFormat::CompactTinted | NodeFormat::HalfTinted => {
                     let through = [high, high >> 10, high >> 20].map(|steps| (steps & 1023) as f32 / 1023.0);
                     tinted(shared_exponent(low), through)
                 }
@@ -178,7 +185,10 @@ impl ABuffer {
             };
             Node { depth: float(depth), key, color, through, samples }
         };
-        texels.chunks_exact(self.format.texels() as usize).map(node).collect()
+        match self.format {
+            NodeFormat::HalfTinted => Vec::new(),
+            _ => texels.chunks_exact(self.format.texels() as usize).map(node).collect(),
+        }
     }
 
     /// `program` with the constants of `node.glsl`.

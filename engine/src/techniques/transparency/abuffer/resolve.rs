@@ -6,7 +6,7 @@ use ash::vk;
 
 use super::nearest::Nearest;
 use super::told::{Amount, Told};
-use super::{ABuffer, Built, Composited, Known, LongSort};
+use super::{ABuffer, Built, Composited, Known, LongSort, NODES};
 use crate::graph::{BufferHandle, Checkpoint, Graph, ImageHandle, ImageShape};
 use crate::scene::{View, ViewSet};
 use crate::shader::generated::blocks;
@@ -89,7 +89,7 @@ impl ABuffer {
     pub(super) fn sorted_room<'f>(&self, graph: &mut Graph<'f>, name: &str, told: &Told<'f>) -> [ImageHandle; 2] {
         let mut sorted = |which: &str| {
             let this = *self;
-            told.image(graph, format!("{name}.sorted.{which}"), move |amount| this.sorted_size(amount))
+            told.image(graph, format!("{name}.sorted.{which}"), NODES, move |amount| this.sorted_size(amount))
         };
         let (even, odd) = (sorted("even"), sorted("odd"));
         // Step 2 of sorting reads only what it wrote itself, which nobody can see from outside.
@@ -187,6 +187,7 @@ impl ABuffer {
         let mut pass = graph.compute(format!("{name}.long.composite"), &long_composite_comp::SHADER);
         pass.uniform_data(long_composite_comp::ABUFFER, *frame)
             .read(long_composite_comp::NODES, &built.nodes)
+            .read(long_composite_comp::BESIDE, &built.beside)
             .read(long_composite_comp::TOTALS, &scanned.totals)
             .read(long_composite_comp::WORK, &built.work)
             .read(long_composite_comp::ENDS, &built.ends)

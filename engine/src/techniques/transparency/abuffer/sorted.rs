@@ -7,7 +7,7 @@ use ash::vk;
 use super::arrays::Arrays;
 use super::resolve::{GROUPS, LONG_GROUPS, SHORT};
 use super::told::{Amount, Told};
-use super::{ABuffer, Built, NodeFormat, node};
+use super::{ABuffer, Built, NODES, NodeFormat, node};
 use crate::Error;
 use crate::graph::{Graph, ImageHandle, ImageShape};
 use crate::shader::generated::blocks;
@@ -49,8 +49,11 @@ impl ABuffer {
         // 1. An array for each pixel.
         let count = count(graph, name, depth, fragments);
         let (Arrays { built, sorted: room, .. }, totals) = this.arrays(graph, name, depth, fragments, &count);
-        let sorted =
-            Told::Totals(totals).image(graph, format!("{name}.sorted"), move |Amount { nodes, longest, .. }| {
+        let sorted = Told::Totals(totals).image(
+            graph,
+            format!("{name}.sorted"),
+            NODES,
+            move |Amount { nodes, longest, .. }| {
                 if nodes > MOST_SORTED {
                     let wrong = format!("{nodes} fragments are more than the {MOST_SORTED} that can be listed");
                     return Err(Error::invalid("A-buffer", wrong));
@@ -60,7 +63,8 @@ impl ABuffer {
                     return Err(Error::invalid("A-buffer", wrong));
                 }
                 Ok(node::texels_size(nodes))
-            });
+            },
+        );
         let shape = ImageShape::new_2d(vk::Format::R32G32B32A32_SFLOAT, depth.size());
         let spans = graph.image(format!("{name}.spans"), shape);
         let spans = graph.clear(format!("{name}.spans.begin"), spans, vk::ClearColorValue::default());
