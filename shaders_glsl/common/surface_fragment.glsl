@@ -1,11 +1,18 @@
 // Inputs of every fragment shader behind common/surface_vertex.glsl.
 #include "common/surface.glsl"
 
-layout(location = 0) in vec3 vertex_normal;
-layout(location = 1) in vec4 vertex_tangent;
-layout(location = 2) in vec4 vertex_uv;
-layout(location = 3) in vec4 vertex_color;
-layout(location = 4) in vec3 vertex_position;
+#ifdef MULTISAMPLED
+// Pixels' centres may lie outside of the triangle: nothing is extrapolated.
+#define SURFACE_IN centroid in
+#else
+#define SURFACE_IN in
+#endif
+
+layout(location = 0) SURFACE_IN vec3 vertex_normal;
+layout(location = 1) SURFACE_IN vec4 vertex_tangent;
+layout(location = 2) SURFACE_IN vec4 vertex_uv;
+layout(location = 3) SURFACE_IN vec4 vertex_color;
+layout(location = 4) SURFACE_IN vec3 vertex_position;
 layout(location = 5) flat in uvec3 vertex_ids; // object, first primitive, material
 
 Surface fragment_surface() {

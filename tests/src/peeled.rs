@@ -16,6 +16,7 @@ pub const ABUFFER: ABuffer = ABuffer {
     bands: 1,
     layers: 0,
     long_sort: LongSort::Blocks,
+    samples: 1,
 };
 
 /// Against the twin in double precision, and against the A-buffer by what `compare` makes of a soup, the picture found and

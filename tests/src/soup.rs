@@ -7,7 +7,7 @@ use crate::compare::Comparison;
 use crate::figures::Check;
 pub use crate::kitchen::{Found, Kitchen, beside_exact};
 use crate::tiny;
-use crate::twin::layers::{self, Fragment, GRID, close_call, composite};
+use crate::twin::layers::{self, Covered, Fragment, GRID, Seen, close_call, composite, composite_samples};
 
 /// What lies behind everything, premultiplied.
 pub const BACKGROUND: [f32; 4] = [0.1, 0.4, 0.2, 1.0];
@@ -31,6 +31,8 @@ pub struct Soup {
     pub per_object: usize,
     /// What the objects are made of, in turn.
     pub materials: Vec<Kind>,
+    /// How far to the right the opaque rectangle leans over the picture's height, in 1/256 pixel.
+    pub lean: i64,
 }
 
 /// What a triangle's colour means.
@@ -112,7 +114,7 @@ impl Soup {
         }
         random.shuffle(&mut all);
         let name = format!("soup of {triangles} triangles and {wide} rectangles");
-        Self { name, size, triangles: all, per_object: 1, materials: vec![Kind::Blend] }
+        Self { name, size, triangles: all, per_object: 1, materials: vec![Kind::Blend], lean: 0 }
     }
 
     /// Triangles for pictures.
@@ -136,6 +138,7 @@ impl Soup {
             triangles: all,
             per_object: 2,
             materials: vec![Kind::Blend],
+            lean: 0,
         }
     }
 
@@ -149,7 +152,7 @@ impl Soup {
             all.extend(rectangle([0, 0], far, [0.3 + 0.6 * random.unit(); 4], [r, g, b, alpha]));
         }
         let name = format!("{layers} full-screen layers at {}×{}", size[0], size[1]);
-        Self { name, size, triangles: all, per_object: 1000, materials: vec![Kind::Blend] }
+        Self { name, size, triangles: all, per_object: 1000, materials: vec![Kind::Blend], lean: 0 }
     }
 
     /// Rectangles all at one depth, several an object.
@@ -168,6 +171,7 @@ impl Soup {
             triangles: all,
             per_object: 6,
             materials: vec![Kind::Blend],
+            lean: 0,
         }
     }
 
@@ -195,6 +199,12 @@ impl Soup {
     /// With so many triangles an object.
     pub fn in_objects_of(mut self, triangles: usize) -> Self {
         self.per_object = triangles;
+        self
+    }
+
+    /// Before an opaque rectangle that leans to the right by about so many pixels, so that its edges cut through them.
+    pub fn leaning(mut self, pixels: i64) -> Self {
+        self.lean = pixels * GRID + GRID / 16 * 3;
         self
     }
 
@@ -236,9 +246,10 @@ impl Soup {
         }
         let [width, height] = self.size.map(|side| side as f32);
         let corner = Vec3::new(0.0, 0.0, OPAQUE);
+        let down = Vec3::new(self.lean as f32 / GRID as f32, height, 0.0);
         // Double-sided, as the view turns y around.
         scene.materials[0].double_sided = true;
-        tiny::add(&mut scene, tiny::quad(corner, Vec3::X * width / 2.0, Vec3::Y * height, 0), Mat4::IDENTITY);
+        tiny::add(&mut scene, tiny::quad(corner, Vec3::X * width / 2.0, down, 0), Mat4::IDENTITY);
         scene.name = self.name.clone();
         scene
     }
@@ -256,8 +267,8 @@ impl Soup {
         View { size: self.size, world_from_view, view_from_world: world_from_view.inverse(), clip_from_view }
     }
 
-    /// What the twin has in each pixel, sorted: all that is before the opaque rectangle.
-    pub fn fragments(&self) -> Vec<Vec<Fragment>> {
+    /// The triangles as the twin has them.
+    fn twins(&self) -> Vec<layers::Triangle> {
         let triangle = |(key, t): (usize, &Flat)| {
             let color = DVec4::from(t.color.map(f64::from));
             let (rgb, a) = (color.truncate(), color.w);
@@ -278,14 +289,51 @@ impl Soup {
                 key: key as u32,
             }
         };
-        let triangles: Vec<_> = self.triangles.iter().enumerate().map(triangle).collect();
-        let mut pixels = layers::rasterise(self.size, &triangles);
+        self.triangles.iter().enumerate().map(triangle).collect()
+    }
+
+    /// What the twin has in each pixel, sorted: all that is before the opaque rectangle.
+    pub fn fragments(&self) -> Vec<Vec<Fragment>> {
+        let mut pixels = layers::rasterise(self.size, &self.twins());
         for (i, fragments) in pixels.iter_mut().enumerate() {
             let opaque = self.opaque_at(i);
             fragments.retain(|fragment| fragment.depth > opaque);
             layers::sort(fragments);
         }
         pixels
+    }
+
+    /// The same of several samples a pixel: what is seen at any of them. `None` where rounding of depth may decide what is
+    /// seen, or which of two is nearer.
+    pub fn seen(&self, samples: u32) -> Vec<Option<Vec<Seen>>> {
+        let locations = layers::sample_locations(samples);
+        let width = i64::from(self.size[0]);
+        let pixel = |(i, covered): (i64, Vec<Covered>)| {
+            let opaque = |sample: u32| {
+                let [x, y] = locations[sample as usize];
+                self.opaque_at_place([i % width * GRID + x, i / width * GRID + y])
+            };
+            let all = covered.iter().flat_map(|covered| &covered.samples);
+            let sure = all.clone().all(|&(sample, depth)| (depth - opaque(sample)).abs() > DEPTH_MARGIN);
+            let mut seen: Vec<_> = covered
+                .iter()
+                .map(|Covered { fragment, samples }| {
+                    let before = samples.iter().filter(|&&(sample, depth)| depth > opaque(sample));
+                    Seen { fragment: *fragment, samples: before.map(|(sample, _)| 1 << sample).sum() }
+                })
+                .filter(|seen| seen.samples != 0)
+                .collect();
+            seen.sort_by(|a, b| {
+                b.fragment.depth.total_cmp(&a.fragment.depth).then(b.fragment.key.cmp(&a.fragment.key))
+            });
+            // Only fragments that share a sample have an order.
+            let close = (0..samples).any(|sample| {
+                let own = seen.iter().filter(|seen| seen.samples >> sample & 1 == 1).map(|seen| seen.fragment);
+                close_call(&own.collect::<Vec<_>>(), DEPTH_MARGIN)
+            });
+            (sure && !close).then_some(seen)
+        };
+        (0..).zip(layers::rasterise_samples(self.size, &self.twins(), samples)).map(pixel).collect()
     }
 
     /// Whether the fragments are all that a device must have, whatever it rounds.
@@ -300,6 +348,21 @@ impl Soup {
         self.compare_with(found, tolerance, what, |_, sorted| {
             (!close_call(sorted, DEPTH_MARGIN)).then(|| expect(sorted))
         })
+    }
+
+    /// A picture of several samples a pixel against their exact composites' mean.
+    pub fn compare_samples(&self, found: &[[f32; 4]], samples: u32, tolerance: f64, what: &str) -> Check {
+        let mut comparison = Comparison::new(format!("{}: {what}", self.name), self.size, tolerance);
+        for (i, seen) in self.seen(samples).into_iter().enumerate() {
+            match seen {
+                Some(seen) => {
+                    let expected = composite_samples(&seen, samples, background());
+                    comparison.error(i, (DVec4::from(found[i].map(f64::from)) - expected).abs().max_element());
+                }
+                None => comparison.leave_out(i, "near in depth"),
+            }
+        }
+        Check::new(comparison, 1.0, 0.1)
     }
 
     /// A picture against what `expect` makes of each pixel's fragments; `None` where rounding of depth may decide.
@@ -323,9 +386,17 @@ impl Soup {
         Check::new(comparison, 1.0, 0.1)
     }
 
-    /// Opaque depth at a pixel.
+    /// Opaque depth at a pixel's centre.
     pub fn opaque_at(&self, pixel: usize) -> f64 {
-        if (pixel as u32 % self.size[0]) < self.size[0] / 2 { f64::from(OPAQUE) } else { 0.0 }
+        let [x, y] = [pixel as i64 % i64::from(self.size[0]), pixel as i64 / i64::from(self.size[0])];
+        self.opaque_at_place([x, y].map(|side| side * GRID + GRID / 2))
+    }
+
+    /// Opaque depth at a place, in 1/256 pixel: the rectangle's left edge is part of it.
+    fn opaque_at_place(&self, [x, y]: [i64; 2]) -> f64 {
+        let [width, height] = self.size.map(|side| i64::from(side) * GRID);
+        let across = x * height - y * self.lean;
+        if (0..width / 2 * height).contains(&across) { f64::from(OPAQUE) } else { 0.0 }
     }
 }
 

@@ -5,8 +5,11 @@ use glam::{DVec4, Mat4, Vec3};
 use shadowgraph::capture::auto_exposure;
 use shadowgraph::frame::Transparency;
 use shadowgraph::gpu::Feature;
-use shadowgraph::techniques::transparency::abuffer::{ABuffer, Build, IN_PLACE_MOST, LongSort, NodeFormat, Sizing};
+use shadowgraph::techniques::transparency::abuffer::{
+    ABuffer, Build, IN_PLACE_MOST, LongSort, NodeFormat, Sizing, sample_counts,
+};
 use shadowgraph::techniques::transparency::depth_peeling::DepthPeeling;
+use shadowgraph::techniques::transparency::fragments::Step;
 use shadowgraph_tests::compare::Comparison;
 use shadowgraph_tests::device::{shared, silent};
 use shadowgraph_tests::exr_file::Part;
@@ -25,6 +28,7 @@ const LISTS: ABuffer = ABuffer {
     bands: 1,
     layers: 0,
     long_sort: LongSort::Blocks,
+    samples: 1,
 };
 const ARRAYS: ABuffer = ABuffer { build: Build::Arrays, ..LISTS };
 
@@ -61,7 +65,7 @@ fn sound(found: &Found) {
     let sum: f64 = found.count.iter().map(|&count| f64::from(count)).sum();
     assert_eq!(sum, f64::from(found.nodes), "sum of the pixels' layers and nodes");
     assert_eq!(found.count.iter().fold(0.0f32, |a, &b| a.max(b)), found.longest as f32);
-    assert_eq!(found.report, [0, 0]);
+    assert_eq!(found.report, [0; 3]);
     assert!(found.counter.is_none_or(|counter| counter == found.nodes), "{found:?}");
     assert!(found.samples.is_none_or(|samples| samples == u64::from(found.nodes)), "{found:?}");
 }
@@ -98,9 +102,11 @@ fn transparency_abuffer_agrees_with_its_reference() {
         Soup::random(17, [32, 32], 12, 48).made_of(&[Kind::Glass]),
         Soup::coplanar([32, 32], 21).made_of(&every),
     ];
-    for (format, tolerance, name) in
-        [(NodeFormat::CompactTinted, 4e-3, "RGB9E5, tinted"), (NodeFormat::FloatTinted, 1e-5, "float, tinted")]
-    {
+    for (format, tolerance, name) in [
+        (NodeFormat::CompactTinted, 4e-3, "RGB9E5, tinted"),
+        (NodeFormat::HalfTinted, 2e-3, "half, tinted"),
+        (NodeFormat::FloatTinted, 1e-5, "float, tinted"),
+    ] {
         for soup in &soups {
             let mut kitchen = Kitchen::new(shared(), soup);
             let arrays = kitchen.run(ABuffer { format, ..ARRAYS }, false).unwrap();
@@ -118,6 +124,13 @@ fn transparency_abuffer_agrees_with_its_reference() {
     let plain = kitchen.run(ABuffer { format: NodeFormat::Float, ..ARRAYS }, false).unwrap();
     rows.push(colors(&soup, &plain, 1e-5, "float").demand());
     assert!(kitchen.composite(&DepthPeeling::default(), false).unwrap() == plain.color);
+    // Several samples a pixel, each against its own composite.
+    if sample_counts(shared().caps()).contains(&4) {
+        for soup in [Soup::random(2, [64, 32], 60, 0).leaning(9), Soup::random(3, [32, 32], 40, 30).leaning(-7)] {
+            let found = Kitchen::new(shared(), &soup).run(ABuffer { samples: 4, ..ARRAYS }, false).unwrap();
+            rows.push(soup.compare_samples(&found.color, 4, 4e-3, "4 samples, RGB9E5 color").demand());
+        }
+    }
     // So many layers that runs are merged across invocations; the farthest still count.
     let soup = Soup::random(10, [8, 8], 0, 5000).in_objects_of(100).thin(0.001);
     let mut kitchen = Kitchen::new(shared(), &soup);
@@ -159,6 +172,26 @@ fn layers(subject: &Subject, transparency: Transparency) -> Part {
     })
 }
 
+/// Triangles of one sample a pixel, and of four beside them: each pixel six times as large.
+fn edges() -> Picture {
+    const LARGER: usize = 6;
+    let soup = Soup::random(34, [64, 64], 9, 0);
+    let mut kitchen = Kitchen::new(shared(), &soup);
+    let both = [1, 4].map(|samples| kitchen.run(ABuffer { samples, ..ARRAYS }, false).unwrap().color);
+    let side = soup.size[0] as usize * LARGER;
+    let pixel = |i: usize| {
+        let [x, y] = [i % (2 * side), i / (2 * side)];
+        let [red, green, blue, _] = both[x / side][y / LARGER * 64 + x % side / LARGER];
+        [red, green, blue]
+    };
+    Picture {
+        size: [2 * side as u32, side as u32],
+        pixels: (0..2 * side * side).map(pixel).collect(),
+        exposure: 0.9,
+        caption: "Triangles of one sample a pixel, and of four".into(),
+    }
+}
+
 fn publish(rows: &[Figure]) {
     let picture = |subject: Subject, caption: &str| {
         let shown = subject.changed(|s| s.size = [480, 270]);
@@ -169,6 +202,9 @@ fn publish(rows: &[Figure]) {
     };
     let through = picture(glass(), "Four panes of glass multiply what lies behind them, channel by channel");
     figures::publish_picture("techniques/transparency", "abuffer_glass", &through);
+    if sample_counts(shared().caps()).contains(&4) {
+        figures::publish_picture("techniques/transparency", "abuffer_samples", &edges());
+    }
     let picture = picture(crossing(), "Two of four panes go through each other, before a wall");
     figures::publish(shared(), "transparency", "abuffer", rows, Some(&picture));
 }
@@ -283,6 +319,33 @@ fn transparency_abuffer_without_memory_says_how_much_it_needs() {
     silent(shared());
 }
 
+/// Fragments that come when nobody counted them are lost, and the device says how many: of lists those that are in none, of
+/// arrays the pixels that were filled beyond their end.
+#[test]
+fn transparency_abuffer_tells_what_it_lost() {
+    for soup in [Soup::random(8, [16, 16], 3, 1), Soup::random(2, [64, 32], 60, 0)] {
+        let mut kitchen = Kitchen::new(shared(), &soup);
+        let covered = soup.fragments().iter().filter(|fragments| !fragments.is_empty()).count() as u32;
+        let whole = kitchen.run(LISTS, false).unwrap();
+        assert_eq!(whole.report, [0; 3]);
+        // The query counted half of them.
+        kitchen.twice = Some(Step::Lists);
+        let found = kitchen.run(LISTS, false).unwrap();
+        assert_eq!((found.counter, found.report), (Some(2 * whole.nodes), [0, 0, whole.nodes]), "{}", soup.name);
+        // A guess that was too small is made good.
+        for capacity in [0, whole.nodes, 2 * whole.nodes] {
+            let build = Build::Lists(Sizing::Guessed(capacity));
+            assert_eq!(kitchen.run(ABuffer { build, ..LISTS }, false).unwrap().report, [0; 3], "{capacity}");
+        }
+        kitchen.twice = Some(match shared().caps().has(Feature::OrderedAttachments) {
+            true => Step::ArraysInOrder,
+            false => Step::Arrays,
+        });
+        assert_eq!(kitchen.run(ARRAYS, false).unwrap().report, [covered, 0, 0], "{}", soup.name);
+    }
+    silent(shared());
+}
+
 /// Colours beyond what a format holds are counted, and a larger unit holds them.
 #[test]
 fn transparency_abuffer_counts_what_it_clamps() {
@@ -291,14 +354,14 @@ fn transparency_abuffer_counts_what_it_clamps() {
     let mut kitchen = Kitchen::new(shared(), &soup);
     let covered = soup.fragments().iter().filter(|fragments| !fragments.is_empty()).count() as u32;
     for build in [ARRAYS, LISTS] {
-        for format in [NodeFormat::Compact, NodeFormat::Half] {
+        for format in [NodeFormat::Compact, NodeFormat::Half, NodeFormat::HalfTinted] {
             let found = kitchen.run(ABuffer { format, ..build }, false).unwrap();
-            assert_eq!(found.report, [0, covered], "{format:?}");
+            assert_eq!(found.report, [0, covered, 0], "{format:?}");
             let found = kitchen.run(ABuffer { format, exponent: 1, ..build }, false).unwrap();
-            assert_eq!(found.report, [0, 0], "{format:?}");
+            assert_eq!(found.report, [0; 3], "{format:?}");
         }
         let found = kitchen.run(ABuffer { format: NodeFormat::Float, ..build }, false).unwrap();
-        assert_eq!(found.report, [0, 0]);
+        assert_eq!(found.report, [0; 3]);
     }
     silent(shared());
 }
@@ -400,7 +463,7 @@ fn transparency_abuffer_sorts_alike_by_every_method() {
         for long_sort in [LongSort::Shell, LongSort::Heap, LongSort::Bitonic] {
             for build in [ARRAYS, LISTS] {
                 let found = kitchen.run(ABuffer { long_sort, ..build }, false).unwrap();
-                assert!(found.color == blocks.color && found.report == [0, 0], "{}: {long_sort:?}", soup.name);
+                assert!(found.color == blocks.color && found.report == [0; 3], "{}: {long_sort:?}", soup.name);
             }
         }
     }

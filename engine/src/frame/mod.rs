@@ -102,6 +102,9 @@ pub struct FrameSettings {
     /// Bands of rows that the A-buffer may be built in where that is too little: see [`ABuffer::bands`]. Deep pictures are
     /// built at once.
     pub layer_bands: u32,
+    /// Samples a pixel of the A-buffer's layers: see [`ABuffer::samples`]. What is opaque keeps one colour a pixel, and deep
+    /// pictures have one sample.
+    pub abuffer_samples: u32,
     /// Whether every layer of every pixel is captured as well, for [`crate::capture::DeepPicture`]. Blended surfaces are
     /// composited by [`Transparency::ABuffer`] then.
     pub deep: bool,
@@ -123,6 +126,7 @@ impl FrameSettings {
             transparency: Transparency::default(),
             layer_memory: u64::MAX,
             layer_bands: 1,
+            abuffer_samples: 1,
             deep: false,
             layers: Selection::All,
         }
@@ -224,6 +228,10 @@ impl FrameSettings {
         }
         let deep = self.deep.then(|| Deep { abuffer: layers.map(|layers| layers.made_by) });
         warnings.extend(shadows.warnings);
+        if self.deep && self.abuffer_samples != 1 {
+            warnings
+                .push("deep pictures have one sample a pixel: edges of blended surfaces are not anti-aliased".into());
+        }
         warnings.extend(self.unshown(scene));
         Frame { layers: captured.layers, deep, warnings }
     }
@@ -317,7 +325,11 @@ impl FrameSettings {
         // Up to a million cd/m²: highlights of the sun are beyond what nodes hold as they are.
         let bands = if self.deep { 1 } else { self.layer_bands };
         let layers = self.layers.numbered("abuffer");
-        let abuffer = ABuffer { format, exponent: 4, memory: self.layer_memory, bands, layers, ..ABuffer::default() };
+        let samples = if self.deep { 1 } else { self.abuffer_samples };
+        let of_samples = (samples != 1).then(|| DepthPrepass.record_samples(graph, blended.scene, &self.view, samples));
+        let depth = of_samples.as_ref().unwrap_or(depth);
+        let memory = self.layer_memory;
+        let abuffer = ABuffer { format, exponent: 4, memory, bands, layers, samples, ..ABuffer::default() };
         let Composited { color, count, front, layers, nodes, report, .. } =
             abuffer.record(graph, &self.view, depth, blended, color);
         if let Some(nodes) = nodes.filter(|_| self.deep) {

@@ -25,8 +25,15 @@ uint take_node() {
 #endif
 
 void append(Layer layer, uint key) {
+    Covered covered = fragment_covered();
+#ifdef MULTISAMPLED
+    // llvmpipe's scissor lets samples of the row before it pass.
+    if (uint(gl_FragCoord.y) - abuffer.first_row >= abuffer.size.y) {
+        return;
+    }
+#endif
     uint node = take_node();
     if (node < abuffer.capacity) {
-        store_node(node, key, layer, NO_NODE);
+        store_node(node, covered, key, layer, NO_NODE, false);
     }
 }

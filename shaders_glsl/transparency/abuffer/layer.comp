@@ -45,7 +45,9 @@ void main() {
         return;
     }
     Layer layer = node_layer(signed_key(found.y), node_payload(found_node, found));
-    imageStore(color, at, vec4(layer.rgb, layer.alpha));
+    // Averaged over the pixel's samples.
+    float share = SAMPLES > 1u ? float(bitCount(node_samples(found.y))) / float(SAMPLES) : 1.0;
+    imageStore(color, at, vec4(layer.rgb, layer.alpha) * share);
     float depth = uintBitsToFloat(found.x);
     imageStore(distance_image, at, vec4(-view_position(0u, vec2(at) + 0.5, depth).z));
 }

@@ -12,8 +12,6 @@ layout(set = 0, binding = 24, scalar) buffer Counter {
     uint fragment_count;
 };
 
-layout(set = 0, binding = 25, r32ui) writeonly uniform uimage2D links; // by node, where it does not hold `next`
-
 #ifdef BY_SUBGROUP
 // Whether helper invocations take part in ballots.
 layout(constant_id = 10) const bool HELPERS_VOTE = true;
@@ -34,6 +32,7 @@ uint take_node() {
 #endif
 
 void append(Layer layer, uint key) {
+    Covered covered = fragment_covered();
 #ifdef BY_SUBGROUP
     if (HELPERS_VOTE && gl_HelperInvocation) { // takes no node
         return;
@@ -42,9 +41,6 @@ void append(Layer layer, uint key) {
     uint node = take_node();
     if (node < abuffer.capacity) {
         uint next = imageAtomicExchange(heads, ivec2(gl_FragCoord.xy), node);
-        store_node(node, key, layer, next);
-        if (LINK_BESIDE) {
-            imageStore(links, node_texel(node), uvec4(next));
-        }
+        store_node(node, covered, key, layer, next, true);
     }
 }

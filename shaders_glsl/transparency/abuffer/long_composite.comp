@@ -2,6 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #include "transparency/abuffer/long.glsl"
 #include "transparency/abuffer/nodes_read.glsl"
+#include "transparency/abuffer/gather_samples.glsl"
 #include "transparency/abuffer/report.glsl"
 
 // Composites sorted nodes, nearest first, until nothing behind can be seen.
@@ -19,10 +20,10 @@ void main() {
         return;
     }
     bool in_odd = (merges_of(pixel.count) & 1u) == 1u;
-    Gathered front = NOTHING_GATHERED;
+    GatheredSamples front = nothing_gathered();
     bool clamped = false;
     // Eight nodes a turn: lavapipe 22 ends loops after 65,535.
-    for (uint done = 0u; done < pixel.count && any(greaterThan(front.through, vec3(0.0))); done += 8u) {
+    for (uint done = 0u; done < pixel.count && !is_opaque(front); done += 8u) {
         for (uint i = 0u; i < 8u; i++) {
             bool there = done + i < pixel.count;
             ivec2 at = node_texel(pixel.place + min(done + i, pixel.count - 1u));
@@ -30,7 +31,7 @@ void main() {
             Layer layer = node_layer(signed_key(node.y), node.zw);
             layer.rgb = there ? layer.rgb : vec3(0.0);
             layer.through = there ? layer.through : vec3(1.0);
-            put_behind(front, layer);
+            put_behind(front, layer, node_samples(node.y));
             clamped = clamped || is_clamped(node.zw);
         }
     }

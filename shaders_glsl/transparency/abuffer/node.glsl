@@ -8,11 +8,17 @@
 //   compact, tinted    1        depth; key; red, green, blue (9·9·9) and exponent (5); through (10·10·10)
 //   float, tinted      2        depth; key; through red; green  |  red; green; blue; through blue
 //   transmittance      1        depth; key; through (21·21·21, in two words): no colour
+//   half, tinted       1        depth; key; red, green (16·16); blue, through red (16·16); beside: through green, blue (16·16)
 //
-// `next` is there in lists. Lists of the formats that do not show it have it in an image of its own. Depth is reversed and
+// Where pixels have several samples, the key of every format is 24 bits before 8 of samples, and the alpha of compact nodes
+// stands in place of `next`.
+//
+// `next` is there in lists. Lists of the formats that do not show it have it beside the node. What is beside nodes is in an
+// image of single words: of each node `next`, where that is there, then the tint. Depth is reversed and
 // not negative, so that its bits sort as it does. Of equal depth the larger key is in front.
 
 #include "transparency/composite.glsl"
+#include "transparency/abuffer/samples.glsl"
 
 const uint NODE_COMPACT = 0u;
 const uint NODE_HALF = 1u;
@@ -20,6 +26,7 @@ const uint NODE_FLOAT = 2u;
 const uint NODE_COMPACT_TINTED = 3u;
 const uint NODE_FLOAT_TINTED = 4u;
 const uint NODE_TRANSMITTANCE = 5u;
+const uint NODE_HALF_TINTED = 6u;
 
 layout(constant_id = 3) const uint NODE_FORMAT = NODE_COMPACT;
 // Colours are stored as multiples of this, a power of two.
@@ -29,8 +36,18 @@ layout(constant_id = 4) const float NODE_UNIT = 1.0;
 const uint NODE_ROW = 4096u;
 
 const uint NODE_TEXELS = NODE_FORMAT == NODE_FLOAT || NODE_FORMAT == NODE_FLOAT_TINTED ? 2u : 1u;
-// Whether `next` is in an image of its own.
-const bool LINK_BESIDE = NODE_FORMAT != NODE_COMPACT && NODE_FORMAT != NODE_FLOAT;
+// Whether `next` is beside the node, and part of what it lets through.
+const bool LINK_BESIDE = (NODE_FORMAT != NODE_COMPACT || SAMPLES > 1u) && NODE_FORMAT != NODE_FLOAT;
+
+const bool TINT_BESIDE = NODE_FORMAT == NODE_HALF_TINTED;
+
+uint link_word(uint node) {
+    return TINT_BESIDE ? 2u * node : node;
+}
+
+uint tint_word(uint node, bool linked) {
+    return linked ? 2u * node + 1u : node;
+}
 
 ivec2 node_texel(uint texel) {
     return ivec2(texel % NODE_ROW, texel / NODE_ROW);
@@ -66,9 +83,21 @@ vec3 unpack_shared_exponent(uint word) {
     return vec3(word & 511u, word >> 9 & 511u, word >> 18 & 511u) * scale;
 }
 
+uint pack_alpha(float alpha) {
+    return uint(clamp(alpha, 0.0, 1.0) * 255.0 + 0.5);
+}
+
 // Second word of a node, by which nodes of equal depth are told apart.
-uint pack_key(uint key, float alpha) {
-    return NODE_FORMAT == NODE_COMPACT ? key << 8 | uint(clamp(alpha, 0.0, 1.0) * 255.0 + 0.5) : key;
+uint pack_key(uint key, float alpha, uint samples) {
+    if (SAMPLES > 1u) {
+        return key << SAMPLE_BITS | samples;
+    }
+    return NODE_FORMAT == NODE_COMPACT ? key << 8 | pack_alpha(alpha) : key;
+}
+
+// The samples that a node is seen at, from its second word.
+uint node_samples(uint key) {
+    return key & ((1u << SAMPLE_BITS) - 1u);
 }
 
 uint pack_through_10(vec3 through) {
@@ -93,7 +122,7 @@ vec3 unpack_through_21(uvec2 words) {
 }
 
 // A texel of a node.
-uvec4 pack_node(uint texel, float depth, uint key, Layer layer, uint next) {
+uvec4 pack_node(uint texel, Covered covered, uint key, Layer layer, uint next) {
     vec3 rgb = layer.rgb * (1.0 / NODE_UNIT);
     if (texel == 1u && NODE_FORMAT == NODE_FLOAT) {
         return floatBitsToUint(vec4(rgb, layer.alpha));
@@ -101,9 +130,9 @@ uvec4 pack_node(uint texel, float depth, uint key, Layer layer, uint next) {
     if (texel == 1u && NODE_FORMAT == NODE_FLOAT_TINTED) {
         return floatBitsToUint(vec4(rgb, layer.through.b));
     }
-    uvec4 node = uvec4(floatBitsToUint(depth), pack_key(key, layer.alpha), next, 0u);
+    uvec4 node = uvec4(floatBitsToUint(covered.depth), pack_key(key, layer.alpha, covered.samples), next, 0u);
     if (NODE_FORMAT == NODE_COMPACT) {
-        node.zw = uvec2(pack_shared_exponent(rgb), next);
+        node.zw = uvec2(pack_shared_exponent(rgb), SAMPLES > 1u ? pack_alpha(layer.alpha) : next);
     } else if (NODE_FORMAT == NODE_HALF) {
         rgb = clamp(rgb, 0.0, HALF_MAX);
         node.zw = uvec2(packHalf2x16(rgb.rg), packHalf2x16(vec2(rgb.b, layer.alpha)));
@@ -111,14 +140,27 @@ uvec4 pack_node(uint texel, float depth, uint key, Layer layer, uint next) {
         node.zw = uvec2(pack_shared_exponent(rgb), pack_through_10(layer.through));
     } else if (NODE_FORMAT == NODE_FLOAT_TINTED) {
         node.zw = floatBitsToUint(layer.through.rg);
+    } else if (NODE_FORMAT == NODE_HALF_TINTED) {
+        rgb = clamp(rgb, 0.0, HALF_MAX);
+        node.zw = uvec2(packHalf2x16(rgb.rg), packHalf2x16(vec2(rgb.b, layer.through.r)));
     } else if (NODE_FORMAT == NODE_TRANSMITTANCE) {
         node.zw = pack_through_21(layer.through);
     }
     return node;
 }
 
-// The layer of a node, from its first texel and, of formats that have it there, its second.
+// The word of it that is beside.
+uint pack_tint(Layer layer) {
+    return packHalf2x16(layer.through.gb);
+}
+
+// The layer of a node, from its first texel and, of formats that have it there, its second or the word beside.
 Layer unpack_node(uvec4 node, uvec4 rest) {
+    if (NODE_FORMAT == NODE_HALF_TINTED) {
+        vec2 last = unpackHalf2x16(node.w);
+        vec3 rgb = vec3(unpackHalf2x16(node.z), last.x);
+        return tinted_layer(rgb * NODE_UNIT, vec3(last.y, unpackHalf2x16(rest.x)));
+    }
     if (NODE_FORMAT == NODE_COMPACT_TINTED) {
         return tinted_layer(unpack_shared_exponent(node.z) * NODE_UNIT, unpack_through_10(node.w));
     }
@@ -131,7 +173,7 @@ Layer unpack_node(uvec4 node, uvec4 rest) {
     }
     vec4 color;
     if (NODE_FORMAT == NODE_COMPACT) {
-        color = vec4(unpack_shared_exponent(node.z), float(node.y & 255u) * (1.0 / 255.0));
+        color = vec4(unpack_shared_exponent(node.z), float((SAMPLES > 1u ? node.w : node.y) & 255u) * (1.0 / 255.0));
     } else if (NODE_FORMAT == NODE_HALF) {
         color = vec4(unpackHalf2x16(node.z), unpackHalf2x16(node.w));
     } else {

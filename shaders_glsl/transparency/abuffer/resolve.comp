@@ -5,6 +5,7 @@
 #include "transparency/abuffer/node.glsl"
 #include "transparency/abuffer/nodes_read.glsl"
 #include "transparency/abuffer/network.glsl"
+#include "transparency/abuffer/gather_samples.glsl"
 #include "transparency/abuffer/report.glsl"
 
 // Composites the pixels of one class: as many nodes as fit into registers.
@@ -21,13 +22,13 @@ void main() {
     }
     load_slots(pixel);
     sort_slots();
-    Gathered front = NOTHING_GATHERED;
+    GatheredSamples front = nothing_gathered();
     bool clamped = false;
     for (uint i = 0u; i < SLOTS; i++) {
         Layer layer = node_layer(slot_key[i], slot_payload[i]);
         layer.rgb = i < pixel.count ? layer.rgb : vec3(0.0);
         layer.through = i < pixel.count ? layer.through : vec3(1.0);
-        put_behind(front, layer);
+        put_behind(front, layer, node_samples(uint(slot_key[i])));
         clamped = clamped || (i < pixel.count && is_clamped(slot_payload[i]));
     }
     if (clamped) {

@@ -132,6 +132,14 @@ pub fn positive(text: &str) -> Result<f32, String> {
     }
 }
 
+/// Reads a number of samples a pixel.
+pub fn samples(text: &str) -> Result<u32, String> {
+    match text.parse() {
+        Ok(samples @ (1 | 2 | 4 | 8)) => Ok(samples),
+        _ => Err("expected 1, 2, 4 or 8".into()),
+    }
+}
+
 /// Reads a list of layers: `all`, or names between commas.
 pub fn layers(text: &str) -> Result<Selection, String> {
     let names: Vec<String> = text.split(',').map(|name| name.trim().to_string()).collect();
@@ -226,6 +234,14 @@ mod tests {
         assert_eq!(not_negative("0").unwrap(), 0.0);
         for bad in ["-1", "NaN", "inf", ""] {
             assert!(not_negative(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn samples_a_pixel() {
+        assert_eq!(["1", "2", "4", "8"].map(|text| samples(text).unwrap()), [1, 2, 4, 8]);
+        for bad in ["0", "3", "16", "-4", "four", ""] {
+            assert!(samples(bad).unwrap_err().contains("2, 4 or 8"), "{bad}");
         }
     }
 

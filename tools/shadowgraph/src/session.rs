@@ -80,6 +80,7 @@ pub fn frame_settings(arguments: &FrameArguments, scene: &GpuScene, camera: &Cam
         layers: arguments.layers.clone(),
         transparency: arguments.transparency()?,
         deep_shadow: arguments.deep_shadows.map(|resolution| DeepShadow { resolution }),
+        abuffer_samples: arguments.abuffer_samples.unwrap_or(1),
         layer_bands: if arguments.layer_memory.is_some() { MOST_BANDS } else { 1 },
         layer_memory: arguments.layer_memory.map_or(u64::MAX, |mebibytes| mebibytes << 20),
         ..FrameSettings::new(camera.view(arguments.size.0))
@@ -144,9 +145,12 @@ pub fn render(
 fn check_layers(executed: &Executed) -> Result<()> {
     let Some(report) = executed.captures.iter().find(|capture| capture.name == ABUFFER_REPORT) else { return Ok(()) };
     let report = report.texels::<ABufferReport>()?.first().copied();
-    let Some(ABufferReport { lost_pixels, clamped_pixels }) = report else { return Ok(()) };
+    let Some(ABufferReport { lost_pixels, clamped_pixels, lost_nodes }) = report else { return Ok(()) };
     if lost_pixels > 0 {
         return Err(Failure::failed(format!("the A-buffer lost layers of {lost_pixels} pixels")));
+    }
+    if lost_nodes > 0 {
+        return Err(Failure::failed(format!("the A-buffer lost {lost_nodes} layers")));
     }
     if clamped_pixels > 0 {
         log::warn!("{clamped_pixels} pixels have layers brighter than the A-buffer's nodes hold; --float keeps them");
@@ -170,7 +174,7 @@ pub struct Recipe {
     deep_shadows: Option<u32>,
     /// As the command line has it.
     transparency: String,
-    /// What it was set to, where it can be: layers kept, samples, number of the weight's equation.
+    /// What it was set to, where it can be: layers kept, samples, number of the weight's equation, samples of the A-buffer.
     #[serde(skip_serializing_if = "Option::is_none")]
     transparency_setting: Option<u32>,
 }
@@ -188,6 +192,7 @@ impl Recipe {
             deep_shadows: arguments.deep_shadows,
             transparency: settings.composited_by().name().replace('_', "-"),
             transparency_setting: (arguments.kept.or(arguments.samples).or(arguments.weight))
+                .or(arguments.abuffer_samples)
                 .filter(|_| settings.composited_by() == settings.transparency),
         }
     }

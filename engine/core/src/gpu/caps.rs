@@ -298,6 +298,8 @@ pub struct Limits {
     pub timestamp_period: f32,
     /// Bit `n` set: `n` samples for colour and depth attachments both.
     pub framebuffer_sample_counts: u32,
+    /// Whether samples lie where Vulkan says.
+    pub standard_sample_locations: bool,
 }
 
 impl Caps {

@@ -208,5 +208,6 @@ fn limits(
         sub_pixel_bits: l.sub_pixel_precision_bits,
         timestamp_period: l.timestamp_period,
         framebuffer_sample_counts: samples.as_raw(),
+        standard_sample_locations: l.standard_sample_locations == vk::TRUE,
     }
 }

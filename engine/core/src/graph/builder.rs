@@ -379,6 +379,13 @@ impl<'f> Graph<'f> {
         }
     }
 
+    /// Says that a technique cannot do what it was asked for: [`Graph::compile`] will fail with this. `slot`: which of
+    /// its inputs or settings.
+    pub fn refuse(&mut self, technique: &str, slot: &str, wrong: String, allowed: String) {
+        let (pass, slot) = (Some(technique.into()), Some(slot.into()));
+        self.mistakes.push(GraphError { kind: ErrorKind::Refused, pass, slot, resource: None, wrong, allowed });
+    }
+
     /// Notes something wrong, to be told by [`Graph::compile`].
     pub(super) fn mistake(&mut self, pass: Option<&str>, slot: Option<&str>, wrong: String, allowed: String) {
         let (pass, slot) = (pass.map(Into::into), slot.map(Into::into));

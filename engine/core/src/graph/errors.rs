@@ -76,6 +76,8 @@ pub enum ErrorKind {
     BadCheckpoint,
     /// A history that is declared twice, written where it is to be read, or written in part.
     History,
+    /// What a technique was asked for and cannot do: of these inputs, or on this device.
+    Refused,
     /// A binding or an attachment that a shader lacks or that was left out, or a handle of another graph.
     Binding,
 }

@@ -86,6 +86,11 @@ impl ImageShape {
         Self { layers, ..self }
     }
 
+    /// With samples a texel: 1, 2, 4, …
+    pub fn samples(self, samples: u32) -> Self {
+        Self { samples, ..self }
+    }
+
     /// With mip levels.
     pub fn mips(self, mips: u32) -> Self {
         Self { mips, ..self }

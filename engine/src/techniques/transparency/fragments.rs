@@ -47,6 +47,12 @@ pub enum Step {
     Lists,
     /// The same with `BY_SUBGROUP` defined, where the device has [`Feature::FragmentBallot`].
     SubgroupLists,
+    /// Counted in each pixel of several samples, by `abuffer/count_multisampled.frag`.
+    CountMultisampled,
+    /// As [`Step::Arrays`] where pixels have several samples: with `MULTISAMPLED` defined.
+    ArraysMultisampled,
+    /// As [`Step::Lists`] where pixels have several samples: with `MULTISAMPLED` defined.
+    ListsMultisampled,
     /// The nearest that is left is composited, by `depth_peeling/peel.glsl`.
     Peel,
     /// The nearest and the farthest that are left are composited, by `dual_depth_peeling/peel.glsl`.
@@ -82,7 +88,7 @@ enum Needs {
 impl Step {
     fn needs(self) -> Needs {
         match self {
-            Self::Samples | Self::Count | Self::KeepDepths => Needs::Positions,
+            Self::Samples | Self::Count | Self::CountMultisampled | Self::KeepDepths => Needs::Positions,
             Self::KeepTags => Needs::TriangleNumbers,
             Self::AddMoments | Self::SampleDepths => Needs::Alpha,
             _ => Needs::Shading,
@@ -99,6 +105,13 @@ impl Step {
             Self::ArraysInOrder => [&abuffer::array_in_order_frag::SHADER; 2],
             Self::Lists => [&abuffer::list_frag::SHADER, &abuffer::list_pulled_frag::SHADER],
             Self::SubgroupLists => [&abuffer::list_subgroup_frag::SHADER, &abuffer::list_subgroup_pulled_frag::SHADER],
+            Self::CountMultisampled => [&abuffer::count_multisampled_frag::SHADER; 2],
+            Self::ArraysMultisampled => {
+                [&abuffer::array_multisampled_frag::SHADER, &abuffer::array_multisampled_pulled_frag::SHADER]
+            }
+            Self::ListsMultisampled => {
+                [&abuffer::list_multisampled_frag::SHADER, &abuffer::list_multisampled_pulled_frag::SHADER]
+            }
             Self::Peel => [&depth_peeling::peel_frag::SHADER, &depth_peeling::peel_pulled_frag::SHADER],
             Self::PeelBothEnds => {
                 [&dual_depth_peeling::peel_frag::SHADER, &dual_depth_peeling::peel_pulled_frag::SHADER]

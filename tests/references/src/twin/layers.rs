@@ -4,6 +4,8 @@
 //!   on an edge Vulkan asks that triangles which share it give one fragment; chosen here is the top-left rule, which
 //!   devices have (Direct3D 11 functional specification, 3.4.2.1).
 //! - Vertices lie on a grid of 1/256 pixel, so that inside or outside is decided in whole numbers.
+//! - Of several samples a pixel (28.3 "Multisampling"), each is inside or outside by itself, at its standard location. A
+//!   triangle gives one fragment to a pixel of which it covers a sample.
 //! - Depth is affine over the triangle (28.12.1), with reversed depth: larger is nearer.
 //! - Compositing: Porter and Duff 1984, *over*, premultiplied, channel by channel, nearest first. Of equal depth the larger key is nearer, as
 //!   if triangles were drawn in the order of their keys.
@@ -43,8 +45,45 @@ pub struct Fragment {
     pub flat: bool,
 }
 
+/// What a triangle gives to a pixel of several samples.
+#[derive(Clone, Debug)]
+pub struct Covered {
+    /// Its depth is that of the triangle's plane at the pixel's centre, no less than 0 and no more than 1.
+    pub fragment: Fragment,
+    /// Number and depth of each sample that the triangle covers.
+    pub samples: Vec<(u32, f64)>,
+}
+
+/// What is left of it behind what is opaque.
+#[derive(Clone, Debug)]
+pub struct Seen {
+    /// As before.
+    pub fragment: Fragment,
+    /// Samples that it is seen at, a bit each.
+    pub samples: u32,
+}
+
+/// Where the samples of a pixel lie (28.3, standard sample locations), in 1/256 pixel from its upper left corner.
+pub fn sample_locations(samples: u32) -> Vec<[i64; 2]> {
+    let sixteenths: &[[i64; 2]] = match samples {
+        1 => &[[8, 8]],
+        2 => &[[12, 12], [4, 4]],
+        4 => &[[6, 2], [14, 6], [2, 10], [10, 14]],
+        8 => &[[9, 5], [7, 11], [13, 9], [5, 3], [3, 13], [1, 7], [11, 15], [15, 1]],
+        _ => panic!("{samples} samples a pixel have no standard locations here"),
+    };
+    sixteenths.iter().map(|at| at.map(|sixteenth| sixteenth * (GRID / 16))).collect()
+}
+
 /// Fragments of each pixel, in the order of the triangles.
 pub fn rasterise(size: [u32; 2], triangles: &[Triangle]) -> Vec<Vec<Fragment>> {
+    let pixels = rasterise_samples(size, triangles, 1);
+    pixels.into_iter().map(|covered| covered.into_iter().map(|covered| covered.fragment).collect()).collect()
+}
+
+/// The same of several samples a pixel.
+pub fn rasterise_samples(size: [u32; 2], triangles: &[Triangle], samples: u32) -> Vec<Vec<Covered>> {
+    let locations = sample_locations(samples);
     let mut pixels = vec![Vec::new(); (size[0] * size[1]) as usize];
     for triangle in triangles {
         let [a, b, c] = triangle.corners;
@@ -62,17 +101,23 @@ pub fn rasterise(size: [u32; 2], triangles: &[Triangle]) -> Vec<Vec<Fragment>> {
         let flat = triangle.depth.iter().all(|&depth| depth == triangle.depth[0]);
         for y in range(1) {
             for x in range(0) {
-                let p = [x * GRID + GRID / 2, y * GRID + GRID / 2];
-                let edges = [(b, c), (c, a), (a, b)].map(|(from, to)| (sign * edge(from, to, p), from, to));
-                if !edges.iter().all(|&(e, from, to)| e > 0 || (e == 0 && is_top_left(from, to, sign))) {
+                let place = |[right, down]: [i64; 2]| [x * GRID + right, y * GRID + down];
+                // Sides of the edges that a place is on, and depth there.
+                let edges = |p| [(b, c), (c, a), (a, b)].map(|(from, to)| (sign * edge(from, to, p), from, to));
+                let depth = |p| {
+                    let weights = edges(p).map(|(e, ..)| e as f64 / (sign * area) as f64);
+                    if flat { triangle.depth[0] } else { DVec3::from(weights).dot(DVec3::from(triangle.depth)) }
+                };
+                let inside = |p| edges(p).iter().all(|&(e, from, to)| e > 0 || (e == 0 && is_top_left(from, to, sign)));
+                let own = (0..).zip(&locations).filter(|(_, location)| inside(place(**location)));
+                let own: Vec<_> = own.map(|(sample, location)| (sample, depth(place(*location)))).collect();
+                if own.is_empty() {
                     continue;
                 }
-                let weights = edges.map(|(e, ..)| e as f64 / (sign * area) as f64);
-                let depth = DVec3::from(weights).dot(DVec3::from(triangle.depth));
-                let depth = if flat { triangle.depth[0] } else { depth };
                 let Triangle { key, color, through, .. } = *triangle;
+                let depth = depth(place([GRID / 2; 2])).clamp(0.0, 1.0);
                 let fragment = Fragment { depth, key, color, through, flat };
-                pixels[(y * i64::from(size[0]) + x) as usize].push(fragment);
+                pixels[(y * i64::from(size[0]) + x) as usize].push(Covered { fragment, samples: own });
             }
         }
     }
@@ -103,6 +148,15 @@ pub fn composite(sorted: &[Fragment], opaque: DVec4) -> DVec4 {
         through *= fragment.through;
     }
     (color + through * opaque.truncate()).extend(1.0 - through.element_sum() / 3.0 * (1.0 - opaque.w))
+}
+
+/// Composites the samples of a pixel, each of what is seen at it, over the same background, and averages.
+pub fn composite_samples(sorted: &[Seen], samples: u32, opaque: DVec4) -> DVec4 {
+    let sample = |i| {
+        let own: Vec<_> = sorted.iter().filter(|seen| seen.samples >> i & 1 == 1).map(|seen| seen.fragment).collect();
+        composite(&own, opaque)
+    };
+    (0..samples).map(sample).sum::<DVec4>() / f64::from(samples)
 }
 
 /// What a layer of an alpha lets through.
@@ -143,6 +197,35 @@ mod tests {
                 assert_eq!(fragments.len(), usize::from(inside), "pixel {i}, {turn}");
             }
         }
+    }
+
+    #[test]
+    fn samples_are_covered_one_by_one() {
+        // The left half of a pixel, and all of the next one below a diagonal.
+        let half = triangle([[0, 0], [128, 0], [0, 100 * GRID]], [0.5; 3]);
+        let found = &rasterise_samples([1, 1], &[half], 4)[0][0];
+        assert_eq!(found.samples.iter().map(|(sample, _)| *sample).collect::<Vec<_>>(), [0, 2]);
+        // Both triangles of a rectangle that covers a pixel: no sample twice, none left out, whatever the number.
+        for samples in [1, 2, 4, 8] {
+            let [a, b, c, d] = [[0, 0], [GRID, 0], [GRID, GRID], [0, GRID]];
+            let both =
+                rasterise_samples([1, 1], &[triangle([a, b, c], [0.5; 3]), triangle([a, c, d], [0.5; 3])], samples);
+            let masks = both[0].iter().map(|covered| covered.samples.iter().map(|(i, _)| 1 << i).sum::<u32>());
+            assert_eq!(masks.clone().sum::<u32>(), (1 << samples) - 1, "{samples} samples");
+            assert_eq!(masks.fold(0, |all, mask| all ^ mask), (1 << samples) - 1, "{samples} samples");
+            // Seen from the pixel's centre, samples lie as far on one side as on the other.
+            let sum = sample_locations(samples).into_iter().fold([0; 2], |sum, at| [sum[0] + at[0], sum[1] + at[1]]);
+            assert_eq!(sum, [i64::from(samples) * GRID / 2; 2]);
+        }
+        // A slope whose plane leaves the range of depth at the centre that it does not cover.
+        let steep = triangle([[0, 0], [64, 0], [0, 100 * GRID]], [0.9, 0.0, 0.9]);
+        let found = &rasterise_samples([1, 1], &[steep], 4)[0][0];
+        assert_eq!(found.fragment.depth, 0.0);
+        assert!(found.samples.iter().all(|(_, depth)| (0.0..=0.9).contains(depth)));
+        // Half of the samples see red of half an alpha before white.
+        let red = Fragment { color: DVec4::new(0.5, 0.0, 0.0, 0.5), ..found.fragment };
+        let average = composite_samples(&[Seen { fragment: red, samples: 0b0101 }], 4, DVec4::ONE);
+        assert_eq!(average, DVec4::new(1.0, 0.75, 0.75, 1.0));
     }
 
     #[test]

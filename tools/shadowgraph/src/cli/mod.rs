@@ -119,6 +119,10 @@ pub struct FrameArguments {
     /// otherwise 7
     #[arg(long, value_name = "EQUATION", value_parser = clap::value_parser!(u32).range(7..=10))]
     pub weight: Option<u32>,
+    /// Samples a pixel of `--transparency abuffer`: 2, 4 or 8, whichever the device has, anti-alias the edges of blended surfaces;
+    /// otherwise 1
+    #[arg(long, value_name = "COUNT", value_parser = arguments::samples)]
+    pub abuffer_samples: Option<u32>,
     /// Most memory for the layers of `--transparency abuffer`, of `--deep` and of `--deep-shadows`, in MiB; otherwise as much as the device gives. Where it is
     /// not enough, the picture is made in up to 64 bands, and where that is not enough either, the command fails and says
     /// how much would be

@@ -43,6 +43,7 @@ impl FrameArguments {
             ("--kept", self.kept, &[Kind::KBuffer, Kind::Adaptive][..], "kbuffer or adaptive"),
             ("--samples", self.samples, &[Kind::Stochastic], "stochastic"),
             ("--weight", self.weight, &[Kind::Weighted], "weighted"),
+            ("--abuffer-samples", self.abuffer_samples, &[Kind::ABuffer], "abuffer"),
         ];
         if let Some((option, .., name)) =
             options.iter().find(|(_, value, kinds, _)| value.is_some() && !kinds.contains(&self.transparency))

@@ -205,19 +205,22 @@ impl<'g, 'f> RasterPass<'g, 'f> {
         (*format_of, *place) = (Some(format), Some(attachment));
     }
 
-    /// All attachments of a pass have one size and one number of layers.
+    /// All attachments of a pass have one size, one number of layers, and as many samples a pixel.
     fn cover(&mut self, slot: &str, handle: &ImageHandle) {
-        let (size, layers) = (handle.size(), handle.layers()[1] - handle.layers()[0]);
-        let Attachments { color, depth, stencil, .. } = &self.attachments;
+        let covered = (handle.size(), handle.layers()[1] - handle.layers()[0], handle.shape().samples);
+        let Attachments { color, depth, stencil, size, layers, .. } = &self.attachments;
         let first = color.is_empty() && depth.is_none() && stencil.is_none();
-        if !first && (self.attachments.size != size || self.attachments.layers != layers) {
-            let describe = |size: [u32; 2], layers| format!("{}×{} with {layers} layers", size[0], size[1]);
-            let wrong = format!("is {}", describe(size, layers));
-            let allowed =
-                format!("{}, as the attachment before", describe(self.attachments.size, self.attachments.layers));
+        let before = (*size, *layers, self.targets.samples);
+        if !first && before != covered {
+            let describe = |([width, height], layers, samples): ([u32; 2], u32, u32)| {
+                let of_samples = if samples == 1 { String::new() } else { format!(" of {samples} samples a pixel") };
+                format!("{width}×{height} with {layers} layers{of_samples}")
+            };
+            let wrong = format!("is {}", describe(covered));
+            let allowed = format!("{}, as the attachment before", describe(before));
             self.graph.mistake(Some(&self.collected.name), Some(slot), wrong, allowed);
         }
-        (self.attachments.size, self.attachments.layers) = (size, layers);
+        (self.attachments.size, self.attachments.layers, self.targets.samples) = covered;
     }
 }
 

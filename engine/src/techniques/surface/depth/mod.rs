@@ -15,4 +15,18 @@ impl DepthPrepass {
         let target = graph.image("depth", ImageShape::new_2d(vk::Format::D32_SFLOAT, view.size));
         scene.record_depth(graph, "depth", &(*view).into(), target, Faces::Material)
     }
+
+    /// The same of several samples a pixel: 2, 4, … as many as the device has. Materials with an alpha cutoff cover all
+    /// samples of a pixel that their triangle covers, or none.
+    pub fn record_samples<'f>(
+        &self,
+        graph: &mut Graph<'f>,
+        scene: &'f GpuScene,
+        view: &View,
+        samples: u32,
+    ) -> ImageHandle {
+        let shape = ImageShape::new_2d(vk::Format::D32_SFLOAT, view.size).samples(samples);
+        let target = graph.image("depth.samples", shape);
+        scene.record_depth(graph, "depth.samples", &(*view).into(), target, Faces::Material)
+    }
 }

@@ -6,7 +6,7 @@ use ash::vk;
 use super::resolve::Resolved;
 use super::scan::{Scanned, chunks_of, scan};
 use super::told::{Amount, Told};
-use super::{ABuffer, Built, Composited, Known};
+use super::{ABuffer, BESIDE, Built, Composited, Known, NAME, NODES, NodeFormat, samples};
 use crate::gpu::Feature;
 use crate::graph::{BufferHandle, Checkpoint, Data, Graph, ImageHandle, ImageShape};
 use crate::scene::View;
@@ -15,11 +15,10 @@ use crate::shader::generated::transparency::abuffer::array_in_order_frag as orde
 use crate::shader::generated::transparency::abuffer::{array_frag, rows_comp, scan_offsets_comp};
 use crate::techniques::transparency::fragments::{Draw, Fragments, Step, count, fragment_pass};
 
-const NAME: &str = "abuffer";
-
 /// Memory that is made once and used by one band after the other, so that no two are there at once.
 struct Room {
     nodes: ImageHandle,
+    beside: ImageHandle,
     /// By pixel, where its next node goes.
     cursors: ImageHandle,
     work: BufferHandle,
@@ -43,13 +42,17 @@ impl ABuffer {
         color: ImageHandle,
     ) -> Composited {
         // 1. How many fragments each pixel has.
-        let count = count(graph, NAME, depth, fragments);
+        let count = match self.samples {
+            1 => count(graph, NAME, depth, fragments),
+            _ => samples::count(graph, depth, fragments),
+        };
         let mut onto = Resolved::new(graph, self.layers, color);
         if self.bands <= 1 {
             // 2. All at once: arrays, then sort and composite.
             let (arrays, totals) = self.arrays(graph, NAME, depth, fragments, &count);
             let (onto, room) = self.over(graph, view, arrays, onto);
-            return onto.composited(count, Some(room.nodes), Known::Totals(totals), None);
+            let nodes = (self.format != NodeFormat::HalfTinted).then_some(room.nodes);
+            return onto.composited(count, nodes, Known::Totals(totals), None);
         }
 
         // 3. Or band by band: the host parts the picture's rows.
@@ -94,7 +97,10 @@ impl ABuffer {
         let (this, caps) = (*self, graph.caps());
         let nodes = move |amount: Amount| this.nodes_size(caps, amount.nodes, false);
         Room {
-            nodes: told.image(graph, format!("{name}.nodes"), nodes),
+            nodes: told.image(graph, format!("{name}.nodes"), NODES, nodes),
+            beside: told.image(graph, format!("{name}.beside"), BESIDE, move |amount| {
+                Ok(this.beside_size(amount.nodes, false))
+            }),
             cursors: graph.image(format!("{name}.cursors"), ImageShape::new_2d(vk::Format::R32_UINT, size)),
             work: told.pixels(graph, format!("{name}.work"), size[0], size_of::<blocks::Pixel>() as u64),
             sorted: self.sorted_room(graph, name, told),
@@ -111,7 +117,7 @@ impl ABuffer {
         count: &ImageHandle,
         room: Room,
     ) -> Arrays {
-        let Room { nodes, cursors, work, sorted } = room;
+        let Room { nodes, beside, cursors, work, sorted } = room;
         // 1. Where each pixel's begin.
         let mut pass = graph.compute(format!("{name}.scan.offsets"), &scan_offsets_comp::SHADER);
         pass.uniform_data(scan_offsets_comp::ABUFFER, counted)
@@ -125,24 +131,28 @@ impl ABuffer {
 
         // 2. Filled.
         let specialize = |program| self.specialized(program);
-        let step = filling(graph, fragments);
+        let step = if self.samples > 1 { Step::ArraysMultisampled } else { filling(graph, fragments) };
         let mut pass = fragment_pass(graph, format!("{name}.fill"), depth, (fragments, step), specialize);
         pass.uniform_data(array_frag::ABUFFER, frame);
         let nodes = pass.write(array_frag::NODES, nodes);
+        let beside = pass.write(array_frag::BESIDE, beside);
         let cursors = match step {
             Step::ArraysInOrder => pass.color_in_order(ordered::NEXT_CURSOR, ordered::CURSOR, cursors),
             _ => pass.write(array_frag::CURSORS, cursors),
         };
         pass.draw(within(fragments.draw(step)));
-        Arrays { built: Built { name, nodes, linked: false, links: None, scanned, ends: cursors, work, frame }, sorted }
+        Arrays {
+            built: Built { name, nodes, linked: false, beside, scanned, ends: cursors, counter: None, work, frame },
+            sorted,
+        }
     }
 
     /// Sorts arrays and composites them. Gives their memory back.
     fn over(&self, graph: &mut Graph, view: &View, arrays: Arrays, onto: Resolved) -> (Resolved, Room) {
         let Arrays { built, sorted } = arrays;
         let (onto, sorted) = self.resolve(graph, view, &built, sorted, onto);
-        let Built { nodes, ends, work, .. } = built;
-        (onto, Room { nodes, cursors: ends, work, sorted })
+        let Built { nodes, beside, ends, work, .. } = built;
+        (onto, Room { nodes, beside, cursors: ends, work, sorted })
     }
 }
 

@@ -25,7 +25,7 @@ impl ABuffer {
     /// Bytes of nodes, and of the images that long lists are sorted in.
     pub(super) fn bytes(&self, nodes: u64, longest: u32) -> u64 {
         let sorted = if longest > SHORT { 2 * TEXEL } else { 0 };
-        nodes.saturating_mul(self.format.bytes(false) + sorted)
+        nodes.saturating_mul(self.node_bytes(false) + sorted)
     }
 
     /// The bands of a picture: as few as fit, at most [`ABuffer::bands`] of them.

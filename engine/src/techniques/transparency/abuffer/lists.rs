@@ -5,22 +5,19 @@ use ash::vk;
 use super::resolve::Resolved;
 use super::scan::{chunks_of, scan};
 use super::told::Told;
-use super::{ABuffer, Built, Composited, Known, Sizing};
+use super::{ABuffer, BESIDE, Built, Composited, Known, NODES, Sizing};
 use crate::graph::{BufferHandle, Checkpoint, Data, Graph, ImageHandle, ImageShape};
 use crate::scene::View;
 use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::abuffer::{
-    list_counts_comp, list_frag, list_offsets_comp, list_subgroup_frag,
+    list_check_comp, list_counts_comp, list_frag, list_offsets_comp, list_subgroup_frag,
 };
 use crate::techniques::transparency::fragments::{Fragments, Step, fragment_pass};
-
-const NODES: vk::Format = vk::Format::R32G32B32A32_UINT;
-const LINKS: vk::Format = vk::Format::R32_UINT;
 
 /// Lists that were built.
 struct Lists {
     nodes: ImageHandle,
-    links: ImageHandle,
+    beside: ImageHandle,
     heads: ImageHandle,
     counter: BufferHandle,
 }
@@ -42,31 +39,33 @@ impl ABuffer {
         let count = graph.clear("abuffer.count.begin", count, vk::ClearColorValue::default());
         let onto = Resolved::new(graph, self.layers, color);
         let (resolved, count, totals, counter) = match sizing {
-            Sizing::Counted => {
+            Sizing::Counted if self.samples == 1 => {
                 // 1. How many fragments there are, then lists of as many nodes.
                 samples(graph, depth, fragments);
                 let told = graph.checkpoint_samples("abuffer.samples", "abuffer.samples");
                 let nodes =
                     graph.image_after(&told, "abuffer.nodes", NODES, move |n| this.nodes_size(caps, n[0], true));
-                let links = graph.image_after(&told, "abuffer.links", LINKS, move |n| Ok(this.links_size(n[0])));
+                let beside =
+                    graph.image_after(&told, "abuffer.beside", BESIDE, move |n| Ok(this.beside_size(n[0], true)));
                 let frame = graph.data_after(&told, move |samples| block(samples[0] as u32, 1));
-                let lists = self.build(graph, "abuffer", depth, (fragments, step), [nodes, links], frame, || Ok(true));
+                let lists = self.build(graph, "abuffer", depth, (fragments, step), [nodes, beside], frame, || Ok(true));
                 let counter = graph.checkpoint("abuffer.counter", &lists.counter);
 
                 // 2. Sort and composite.
                 let ((built, sorted), totals, count) = self.listed(graph, "abuffer", lists, count, frame);
                 (self.resolve(graph, view, &built, sorted, onto).0, count, totals, counter)
             }
-            Sizing::Guessed(capacity) => {
+            Sizing::Counted | Sizing::Guessed(_) => {
                 // 1. Lists of so many nodes; the counter counts all fragments.
+                let capacity = if let Sizing::Guessed(capacity) = sizing { capacity } else { 0 };
                 let most = self.most_nodes(caps, true);
                 let capacity = u64::from(capacity).min(most) as u32;
                 let room = self.image_size(u64::from(capacity));
                 let nodes = graph.image("abuffer.nodes", ImageShape::new_2d(NODES, room));
-                let room = self.links_size(u64::from(capacity));
-                let links = graph.image("abuffer.links", ImageShape::new_2d(LINKS, room));
+                let room = self.beside_size(u64::from(capacity), true);
+                let beside = graph.image("abuffer.beside", ImageShape::new_2d(BESIDE, room));
                 let frame = graph.data(&[block(capacity, 1)]);
-                let lists = self.build(graph, "abuffer", depth, (fragments, step), [nodes, links], frame, || Ok(true));
+                let lists = self.build(graph, "abuffer", depth, (fragments, step), [nodes, beside], frame, || Ok(true));
                 let counter: Checkpoint<u32> = graph.checkpoint("abuffer.counter", &lists.counter);
                 let enough = graph.data_after(&counter, move |n| block(capacity, u32::from(n[0] <= capacity)));
 
@@ -74,14 +73,14 @@ impl ABuffer {
                 let nodes = graph.image_after(&counter, "abuffer.redone.nodes", NODES, move |n| {
                     this.nodes_size(caps, if n[0] <= capacity { 0 } else { u64::from(n[0]) }, true)
                 });
-                let links = graph.image_after(&counter, "abuffer.redone.links", LINKS, move |n| {
-                    Ok(this.links_size(if n[0] <= capacity { 0 } else { u64::from(n[0]) }))
+                let beside = graph.image_after(&counter, "abuffer.redone.beside", BESIDE, move |n| {
+                    Ok(this.beside_size(if n[0] <= capacity { 0 } else { u64::from(n[0]) }, true))
                 });
                 let frame = graph.data_after(&counter, move |n| block(n[0], u32::from(n[0] > capacity)));
                 let told = counter.clone();
                 let again = move || Ok(told.values()?[0] > capacity);
                 let redone =
-                    self.build(graph, "abuffer.redone", depth, (fragments, step), [nodes, links], frame, again);
+                    self.build(graph, "abuffer.redone", depth, (fragments, step), [nodes, beside], frame, again);
 
                 // 3. Sort and composite those that are whole; the others count as empty.
                 let ((built, sorted), _, count) = self.listed(graph, "abuffer", lists, count, enough);
@@ -101,7 +100,7 @@ impl ABuffer {
         name: &'static str,
         depth: &ImageHandle,
         (fragments, step): (&dyn Fragments<'f>, Step),
-        [nodes, links]: [ImageHandle; 2],
+        [nodes, beside]: [ImageHandle; 2],
         frame: Data,
         wanted: impl Fn() -> crate::Result<bool> + 'f,
     ) -> Lists {
@@ -119,12 +118,12 @@ impl ABuffer {
         let mut pass = fragment_pass(graph, format!("{name}.link"), depth, (fragments, step), specialize);
         pass.uniform_data(list_frag::ABUFFER, frame);
         let nodes = pass.write(list_frag::NODES, nodes);
-        let links = pass.write(list_frag::LINKS, links);
+        let beside = pass.write(list_frag::BESIDE, beside);
         let heads = pass.write(list_frag::HEADS, heads);
         let counter = pass.write(list_frag::COUNTER, counter);
         let mut draw = fragments.draw(step);
         pass.draw(move |recorder| if wanted()? { draw(recorder) } else { Ok(()) });
-        Lists { nodes, links, heads, counter }
+        Lists { nodes, beside, heads, counter }
     }
 
     /// Walks the lists: how long each is, and which pixels have one.
@@ -136,14 +135,15 @@ impl ABuffer {
         count: ImageHandle,
         frame: Data,
     ) -> ((Built, [ImageHandle; 2]), Checkpoint<blocks::Totals>, ImageHandle) {
-        let Lists { nodes, links, heads, .. } = lists;
+        let Lists { nodes, beside, heads, counter } = lists;
         let size = heads.size();
         let mut pass = graph.compute(format!("{name}.lengths"), &list_counts_comp::SHADER);
         pass.uniform_data(list_counts_comp::ABUFFER, frame)
             .read(list_counts_comp::NODES, &nodes)
-            .read(list_counts_comp::LINKS, &links)
+            .read(list_counts_comp::BESIDE, &beside)
             .read(list_counts_comp::HEADS, &heads)
             .specialize(list_counts_comp::NODE_FORMAT, self.format.number())
+            .specialize(list_counts_comp::SAMPLES, self.samples)
             .specialize(list_counts_comp::LINKED, true);
         let count = pass.write(list_counts_comp::COUNTS, count);
         pass.dispatch([size[0], size[1], 1]);
@@ -162,9 +162,30 @@ impl ABuffer {
         let work = pass.write(list_offsets_comp::WORK, work);
         pass.dispatch([chunks_of(size) as u32, 1, 1]);
         let sorted = self.sorted_room(graph, name, &told);
-        let built =
-            Built { name: name.into(), nodes, linked: true, links: Some(links), scanned, ends: heads, work, frame };
+        let built = Built {
+            name: name.into(),
+            nodes,
+            linked: true,
+            beside,
+            scanned,
+            ends: heads,
+            counter: Some(counter),
+            work,
+            frame,
+        };
         ((built, sorted), totals, count)
+    }
+
+    /// Counts nodes that are in no list.
+    pub(super) fn check_lists(&self, graph: &mut Graph, built: &Built, report: BufferHandle) -> BufferHandle {
+        let Some(counter) = &built.counter else { return report };
+        let mut pass = graph.compute(format!("{}.check", built.name), &list_check_comp::SHADER);
+        pass.uniform_data(list_check_comp::ABUFFER, built.frame)
+            .read(list_check_comp::TOTALS, &built.scanned.totals)
+            .read(list_check_comp::COUNTER, counter);
+        let report = pass.write(list_check_comp::REPORT, report);
+        pass.dispatch([1, 1, 1]);
+        report
     }
 }
 

@@ -10,13 +10,17 @@ mod lists;
 mod nearest;
 mod node;
 mod resolve;
+mod samples;
 mod scan;
 mod sorted;
 mod told;
 
+use ash::vk;
+
 pub use nearest::NearestLayer;
 pub use node::{COMPACT_TRIANGLES, Node, NodeFormat};
 pub use resolve::{IN_PLACE_MOST, MOST_LAYERS};
+pub use samples::sample_counts;
 pub use sorted::{MOST_SORTED, SortedLists};
 
 use self::node::TEXEL;
@@ -29,6 +33,12 @@ use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::abuffer::sort_comp;
 use crate::techniques::transparency::OrderIndependent;
 use crate::techniques::transparency::fragments::{Fragments, Step};
+
+const NAME: &str = "abuffer";
+
+/// Of images of nodes, and of what is beside them.
+const NODES: vk::Format = vk::Format::R32G32B32A32_UINT;
+const BESIDE: vk::Format = vk::Format::R32_UINT;
 
 /// A-buffer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,6 +61,10 @@ pub struct ABuffer {
     pub layers: u32,
     /// How pixels of more than 16 layers are sorted.
     pub long_sort: LongSort,
+    /// Samples a pixel, 1, 2, 4 or 8, of which the opaque depth has as many: edges of layers are anti-aliased, and so is
+    /// what they hide behind. A fragment is shaded once a pixel and kept with the samples that it is seen at. Needs
+    /// [`crate::gpu::Feature::PostDepthCoverage`].
+    pub samples: u32,
 }
 
 impl Default for ABuffer {
@@ -64,6 +78,7 @@ impl Default for ABuffer {
             bands: 1,
             layers: 0,
             long_sort: LongSort::default(),
+            samples: 1,
         }
     }
 }
@@ -76,7 +91,7 @@ pub enum Build {
     Arrays,
     /// Linked lists, nodes allocated by one counter: the reference that the arrays are measured against.
     Lists(Sizing),
-    /// The same, with one addition to the counter for all fragments of a subgroup. Needs
+    /// The same, with one addition to the counter for all fragments of a subgroup, where pixels have one sample. Needs
     /// [`crate::gpu::Feature::FragmentBallot`].
     SubgroupLists(Sizing),
 }
@@ -112,7 +127,8 @@ impl LongSort {
 /// How many nodes linked lists have room for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sizing {
-    /// As many as a precise occlusion query counts before. Needs `occlusionQueryPrecise`.
+    /// As many as a precise occlusion query counts before. Needs `occlusionQueryPrecise`. Of several samples a pixel a query
+    /// counts each, so the lists' counter counts instead, in a pass that keeps nothing.
     Counted,
     /// So many. Where that is too few, the lists are built again in the same frame, with as many as there are.
     Guessed(u32),
@@ -129,7 +145,8 @@ pub struct Composited {
     /// The nearest layers, as many as [`ABuffer::layers`] asks for.
     pub layers: Vec<NearestLayer>,
     /// Nodes of [`Build::Arrays`], R32G32B32A32 uint texels row by row, for [`ABuffer::unpack`]: those of the first pixel,
-    /// then those of the next in its row, each pixel's in any order. `None` where there may be several bands.
+    /// then those of the next in its row, each pixel's in any order. `None` where there may be several bands, or nodes are
+    /// [`NodeFormat::HalfTinted`].
     pub nodes: Option<ImageHandle>,
     /// One [`blocks::ABufferReport`].
     pub report: BufferHandle,
@@ -175,10 +192,12 @@ struct Built {
     nodes: ImageHandle,
     linked: bool,
     scanned: Scanned,
-    /// Of lists, by node, the next one, where the node itself does not say so.
-    links: Option<ImageHandle>,
+    /// Words of nodes that do not fit into their texels.
+    beside: ImageHandle,
     /// By pixel: of arrays, their ends; of lists, their heads.
     ends: ImageHandle,
+    /// Of lists, how many nodes fragments asked for.
+    counter: Option<BufferHandle>,
     /// Pixels that have nodes, class by class.
     work: BufferHandle,
     /// `frame.glsl`'s block.
@@ -186,18 +205,14 @@ struct Built {
 }
 
 impl Built {
-    /// What stands for links: arrays have none, and nobody reads them.
-    fn links(&self) -> &ImageHandle {
-        self.links.as_ref().unwrap_or(&self.ends)
-    }
-
     /// What a pass over nodes of pixels reads: `nodes_read.glsl` and `work.glsl`.
-    fn bind(&self, pass: &mut ComputePass, format: NodeFormat) {
+    fn bind(&self, pass: &mut ComputePass, of: &ABuffer) {
         pass.read(sort_comp::NODES, &self.nodes)
-            .read(sort_comp::LINKS, self.links())
+            .read(sort_comp::BESIDE, &self.beside)
             .read(sort_comp::TOTALS, &self.scanned.totals)
             .read(sort_comp::WORK, &self.work)
-            .specialize(sort_comp::NODE_FORMAT, format.number())
+            .specialize(sort_comp::NODE_FORMAT, of.format.number())
+            .specialize(sort_comp::SAMPLES, of.samples)
             .specialize(sort_comp::LINKED, self.linked);
     }
 }
@@ -206,7 +221,8 @@ impl ABuffer {
     /// Composites all fragments before the opaque `depth` over `color` (R32G32B32A32 float, premultiplied).
     ///
     /// Running the frame fails with [`crate::Error::Invalid`], and says what would be needed, where there is no
-    /// room for all fragments, in as many bands as there may be, or a pixel has more than [`MOST_LAYERS`].
+    /// room for all fragments, in as many bands as there may be, or a pixel has more than [`MOST_LAYERS`]. Compiling it
+    /// fails where the device cannot rasterise as many samples a pixel as are asked for, or `depth` has others.
     pub fn record<'f>(
         &self,
         graph: &mut Graph<'f>,
@@ -215,13 +231,16 @@ impl ABuffer {
         fragments: &dyn Fragments<'f>,
         color: ImageHandle,
     ) -> Composited {
-        match self.build {
-            Build::Arrays => self.by_arrays(graph, view, depth, fragments, color),
-            Build::Lists(sizing) => self.by_lists((Step::Lists, sizing), graph, view, depth, fragments, color),
-            Build::SubgroupLists(sizing) => {
-                self.by_lists((Step::SubgroupLists, sizing), graph, view, depth, fragments, color)
+        samples::check(graph, self.samples, depth);
+        let linked = match self.build {
+            Build::Arrays => return self.by_arrays(graph, view, depth, fragments, color),
+            Build::Lists(sizing) | Build::SubgroupLists(sizing) if self.samples > 1 => {
+                (Step::ListsMultisampled, sizing)
             }
-        }
+            Build::Lists(sizing) => (Step::Lists, sizing),
+            Build::SubgroupLists(sizing) => (Step::SubgroupLists, sizing),
+        };
+        self.by_lists(linked, graph, view, depth, fragments, color)
     }
 }
 

@@ -54,7 +54,7 @@ impl ABuffer {
         let Nearest { layers, mut last } = nearest;
         let next = |(index, NearestLayer { color, distance })| {
             let mut pass = graph.compute(format!("{}.layer.{index}", built.name), &layer_comp::SHADER);
-            built.bind(&mut pass, self.format);
+            built.bind(&mut pass, self);
             pass.uniform(layer_comp::VIEWS, &ViewSet::from(*view).block())
                 .uniform_data(layer_comp::ABUFFER, built.frame)
                 .specialize(layer_comp::NODE_UNIT, self.unit());

@@ -9,7 +9,7 @@ use crate::shader::generated::transparency::abuffer::array_frag as shader;
 use super::ABuffer;
 use crate::{Error, Result};
 
-/// Triangles that the keys of [`NodeFormat::Compact`] tell apart.
+/// Triangles that the keys of [`NodeFormat::Compact`] tell apart, and of every format where pixels have several samples.
 pub const COMPACT_TRIANGLES: u64 = 1 << 24;
 
 /// How colour and alpha are stored.
@@ -26,14 +26,16 @@ pub enum NodeFormat {
     CompactTinted,
     /// 32-bit floats, and what is let through channel by channel: 32 bytes a node, 36 in lists.
     FloatTinted,
+    /// Half-floats, and what is let through channel by channel, half-floats too: 20 bytes a node, 24 in lists.
+    HalfTinted,
     /// What is let through alone, 21 bits a channel, and no colour: 16 bytes a node, 20 in lists.
     Transmittance,
 }
 
 /// Bytes of a texel of nodes.
 pub(super) const TEXEL: u64 = 16;
-/// Bytes of what says which node comes next.
-const LINK: u64 = 4;
+/// Bytes of a word beside a node.
+const WORD: u64 = 4;
 /// Texels of a row of the nodes' image: `node.glsl`.
 const ROW: u32 = 4096;
 
@@ -41,19 +43,9 @@ impl NodeFormat {
     /// Texels of a node.
     pub(super) fn texels(self) -> u64 {
         match self {
-            Self::Compact | Self::Half | Self::CompactTinted | Self::Transmittance => 1,
+            Self::Compact | Self::Half | Self::CompactTinted | Self::HalfTinted | Self::Transmittance => 1,
             Self::Float | Self::FloatTinted => 2,
         }
-    }
-
-    /// Whether lists have the next node in an image of its own.
-    pub(super) fn links_beside(self) -> bool {
-        !matches!(self, Self::Compact | Self::Float)
-    }
-
-    /// Bytes of a node of an array or a list.
-    pub(super) fn bytes(self, linked: bool) -> u64 {
-        self.texels() * TEXEL + if linked && self.links_beside() { LINK } else { 0 }
     }
 
     /// As `node.glsl` has it.
@@ -65,13 +57,14 @@ impl NodeFormat {
             Self::CompactTinted => 3,
             Self::FloatTinted => 4,
             Self::Transmittance => 5,
+            Self::HalfTinted => 6,
         }
     }
 
     /// Whether light that passes through a layer is multiplied channel by channel. Other formats keep one alpha, and
     /// materials have no transmission.
     pub fn is_tinted(self) -> bool {
-        matches!(self, Self::CompactTinted | Self::FloatTinted | Self::Transmittance)
+        matches!(self, Self::CompactTinted | Self::HalfTinted | Self::FloatTinted | Self::Transmittance)
     }
 }
 
@@ -86,6 +79,8 @@ pub struct Node {
     pub color: [f32; 4],
     /// What it lets through, channel by channel.
     pub through: [f32; 3],
+    /// Samples that it is seen at, a bit each: of pixels of one sample, 1.
+    pub samples: u32,
 }
 
 /// Size of an image of so many texels, at least of one row.
@@ -94,11 +89,28 @@ pub(super) fn texels_size(texels: u64) -> [u32; 2] {
 }
 
 impl ABuffer {
+    /// Words beside a node of an array or a list: the next node, which [`NodeFormat::Compact`] has no room for where there are
+    /// samples, and what else does not fit.
+    fn words_beside(&self, linked: bool) -> u64 {
+        let link = match self.format {
+            NodeFormat::Compact => self.samples > 1,
+            NodeFormat::Float => false,
+            _ => true,
+        };
+        u64::from(linked && link) + u64::from(self.format == NodeFormat::HalfTinted)
+    }
+
+    /// Bytes of a node of an array or a list.
+    pub(super) fn node_bytes(&self, linked: bool) -> u64 {
+        self.format.texels() * TEXEL + self.words_beside(linked) * WORD
+    }
+
     /// Most nodes that there may be.
     pub(super) fn most_nodes(&self, caps: &Caps, linked: bool) -> u64 {
         let rows = u64::from(caps.limits.max_image_dimension_2d);
         let bytes = caps.limits.max_allocation_size.min(self.memory);
-        let most = (rows * u64::from(ROW) / self.format.texels()).min(bytes / self.format.bytes(linked));
+        let texels = self.format.texels().max(self.words_beside(linked));
+        let most = (rows * u64::from(ROW) / texels).min(bytes / self.node_bytes(linked));
         most.min(u64::from(u32::MAX - 1))
     }
 
@@ -114,7 +126,7 @@ impl ABuffer {
     pub(super) fn nodes_size(&self, caps: &Caps, nodes: u64, linked: bool) -> Result<[u32; 2]> {
         let most = self.most_nodes(caps, linked);
         if nodes > most {
-            let bytes = |nodes: u64| nodes * self.format.bytes(linked);
+            let bytes = |nodes: u64| nodes * self.node_bytes(linked);
             let (needed, allowed) = (bytes(nodes), bytes(most));
             let wrong = format!("{nodes} fragments need {needed} bytes; there may be {allowed}");
             return Err(Error::invalid("A-buffer", wrong));
@@ -122,9 +134,9 @@ impl ABuffer {
         Ok(self.image_size(nodes))
     }
 
-    /// Size of the image of their links, of lists.
-    pub(super) fn links_size(&self, nodes: u64) -> [u32; 2] {
-        texels_size(if self.format.links_beside() { nodes } else { 0 })
+    /// Size of the image of what is beside them.
+    pub(super) fn beside_size(&self, nodes: u64, linked: bool) -> [u32; 2] {
+        texels_size(nodes * self.words_beside(linked))
     }
 
     /// What colours are stored as multiples of.
@@ -132,18 +144,23 @@ impl ABuffer {
         (self.exponent.clamp(-64, 64) as f32).exp2()
     }
 
-    /// Nodes from the texels of [`super::Composited::nodes`], as `node.glsl` packed them.
+    /// Nodes from the texels of [`super::Composited::nodes`], as `node.glsl` packed them. None of
+    /// [`NodeFormat::HalfTinted`], which are not in these texels alone.
     pub fn unpack(&self, texels: &[[u32; 4]]) -> Vec<Node> {
         let unit = self.unit();
         let scaled = |[red, green, blue]: [f32; 3], alpha: f32| [red * unit, green * unit, blue * unit, alpha];
         let float = |word: u32| f32::from_bits(word);
         let halves = |word: u32| [word as u16, (word >> 16) as u16].map(|bits| f16::from_bits(bits).to_f32());
         let node = |texels: &[[u32; 4]]| {
-            let [depth, key, low, high] = texels[0];
+            let [depth, word, low, high] = texels[0];
+            let (key, samples) = if self.samples > 1 { (word >> 8, word & 255) } else { (word, 1) };
             let plain = |color: [f32; 4]| (color, [1.0 - color[3]; 3]);
             let tinted = |color: [f32; 3], through: [f32; 3]| (scaled(color, 1.0 - mean(through)), through);
             let (color, through) = match self.format {
-                NodeFormat::Compact => plain(scaled(shared_exponent(low), (key & 255) as f32 / 255.0)),
+                NodeFormat::Compact => {
+                    let alpha = if self.samples > 1 { high } else { word & 255 };
+                    plain(scaled(shared_exponent(low), alpha as f32 / 255.0))
+                }
                 NodeFormat::Half => {
                     let ([red, green], [blue, alpha]) = (halves(low), halves(high));
                     plain(scaled([red, green, blue], alpha))
@@ -152,7 +169,7 @@ impl ABuffer {
                     let [red, green, blue, alpha] = texels[1].map(float);
                     plain(scaled([red, green, blue], alpha))
                 }
-                NodeFormat::CompactTinted => {
+                NodeFormat::CompactTinted | NodeFormat::HalfTinted => {
                     let through = [high, high >> 10, high >> 20].map(|steps| (steps & 1023) as f32 / 1023.0);
                     tinted(shared_exponent(low), through)
                 }
@@ -166,9 +183,12 @@ impl ABuffer {
                     tinted([0.0; 3], [0, 21, 42].map(|bit| (words >> bit & MOST) as f32 / MOST as f32))
                 }
             };
-            Node { depth: float(depth), key, color, through }
+            Node { depth: float(depth), key, color, through, samples }
         };
-        texels.chunks_exact(self.format.texels() as usize).map(node).collect()
+        match self.format {
+            NodeFormat::HalfTinted => Vec::new(),
+            _ => texels.chunks_exact(self.format.texels() as usize).map(node).collect(),
+        }
     }
 
     /// `program` with the constants of `node.glsl`.
@@ -177,6 +197,7 @@ impl ABuffer {
             .constant(shader::NODE_FORMAT, self.format.number())
             .constant(shader::NODE_UNIT, self.unit())
             .constant(shader::TINTED, self.format.is_tinted())
+            .constant(shader::SAMPLES, self.samples)
     }
 }
 
@@ -203,11 +224,11 @@ mod tests {
         // 2⁻¹ · (256, 128, 1) / 256, as RGB9E5 has it: mantissas of nine bits, scale 2^(exponent - 24).
         let shared = 256 | 128 << 9 | 1 << 18 | 15 << 27;
         let color = [1.0, 0.5, 1.0 / 256.0, 1.0];
-        let node = Node { depth: 0.25, key: 7 << 8 | 255, color, through: [0.0; 3] };
+        let node = Node { depth: 0.25, key: 7 << 8 | 255, color, through: [0.0; 3], samples: 1 };
         assert_eq!(unpacked(NodeFormat::Compact, &[[depth, 7 << 8 | 255, shared, 0]]), [node]);
         let half = |value: f32| u32::from(f16::from_f32(value).to_bits());
         let texel = [depth, 9, half(0.5) | half(0.25) << 16, half(1.5) | half(0.75) << 16];
-        let node = Node { depth: 0.25, key: 9, color: [1.0, 0.5, 3.0, 0.75], through: [0.25; 3] };
+        let node = Node { depth: 0.25, key: 9, color: [1.0, 0.5, 3.0, 0.75], through: [0.25; 3], samples: 1 };
         assert_eq!(unpacked(NodeFormat::Half, &[texel]), [node]);
         let second = [0.5_f32, 0.25, 1.5, 0.75].map(f32::to_bits);
         assert_eq!(unpacked(NodeFormat::Float, &[[depth, 9, 0, 0], second]), [node]);

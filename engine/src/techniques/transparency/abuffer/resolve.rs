@@ -6,7 +6,7 @@ use ash::vk;
 
 use super::nearest::Nearest;
 use super::told::{Amount, Told};
-use super::{ABuffer, Built, Composited, Known, LongSort};
+use super::{ABuffer, Built, Composited, Known, LongSort, NODES};
 use crate::graph::{BufferHandle, Checkpoint, Graph, ImageHandle, ImageShape};
 use crate::scene::{View, ViewSet};
 use crate::shader::generated::blocks;
@@ -81,14 +81,15 @@ impl ABuffer {
         let (onto, sorted) = self.long(graph, built, sorted, onto);
         let front = self.front(graph, view, built, onto.front);
         let nearest = self.nearest(graph, view, built, onto.nearest);
-        (Resolved { front, nearest, ..onto }, sorted)
+        let report = self.check_lists(graph, built, onto.report);
+        (Resolved { color: onto.color, report, front, nearest }, sorted)
     }
 
     /// Two images that long lists are sorted in.
     pub(super) fn sorted_room<'f>(&self, graph: &mut Graph<'f>, name: &str, told: &Told<'f>) -> [ImageHandle; 2] {
         let mut sorted = |which: &str| {
             let this = *self;
-            told.image(graph, format!("{name}.sorted.{which}"), move |amount| this.sorted_size(amount))
+            told.image(graph, format!("{name}.sorted.{which}"), NODES, move |amount| this.sorted_size(amount))
         };
         let (even, odd) = (sorted("even"), sorted("odd"));
         // Step 2 of sorting reads only what it wrote itself, which nobody can see from outside.
@@ -101,7 +102,7 @@ impl ABuffer {
         let groups = offset_of!(blocks::Totals, class_groups) as u64;
         for (class, slots) in [4, 8, SHORT].into_iter().enumerate() {
             let mut pass = graph.compute(format!("{}.resolve.{slots}", built.name), &resolve_comp::SHADER);
-            built.bind(&mut pass, self.format);
+            built.bind(&mut pass, self);
             pass.uniform_data(resolve_comp::ABUFFER, built.frame)
                 .read(resolve_comp::ENDS, &built.ends)
                 .specialize(resolve_comp::NODE_UNIT, self.unit())
@@ -165,7 +166,7 @@ impl ABuffer {
             return sorted;
         }
         let mut pass = graph.compute(format!("{}.long.in_place", built.name), &long_in_place_comp::SHADER);
-        built.bind(&mut pass, self.format);
+        built.bind(&mut pass, self);
         pass.specialize(long_in_place_comp::LONG_SORT, self.long_sort.number());
         let sorted = pass.write(long_in_place_comp::SORTED, sorted);
         pass.dispatch_indirect(&built.scanned.totals, LONG_GROUPS);
@@ -186,12 +187,14 @@ impl ABuffer {
         let mut pass = graph.compute(format!("{name}.long.composite"), &long_composite_comp::SHADER);
         pass.uniform_data(long_composite_comp::ABUFFER, *frame)
             .read(long_composite_comp::NODES, &built.nodes)
+            .read(long_composite_comp::BESIDE, &built.beside)
             .read(long_composite_comp::TOTALS, &scanned.totals)
             .read(long_composite_comp::WORK, &built.work)
             .read(long_composite_comp::ENDS, &built.ends)
             .read(long_composite_comp::EVEN, &even)
             .read(long_composite_comp::ODD, &odd)
             .specialize(long_composite_comp::NODE_FORMAT, self.format.number())
+            .specialize(long_composite_comp::SAMPLES, self.samples)
             .specialize(long_composite_comp::NODE_UNIT, self.unit())
             .specialize(long_composite_comp::LONG_SORT, self.long_sort.number())
             .specialize(long_composite_comp::LINKED, built.linked);
@@ -204,7 +207,7 @@ impl ABuffer {
     /// Nodes of long lists, side by side.
     fn flatten(&self, graph: &mut Graph, built: &Built, to: ImageHandle) -> ImageHandle {
         let mut pass = graph.compute(format!("{}.long.flatten", built.name), &long_flatten_comp::SHADER);
-        built.bind(&mut pass, self.format);
+        built.bind(&mut pass, self);
         pass.specialize(long_flatten_comp::LONG_SORT, self.long_sort.number());
         let to = pass.write(long_flatten_comp::FLAT_NODES, to);
         pass.dispatch_indirect(&built.scanned.totals, LONG_GROUPS);
@@ -214,7 +217,7 @@ impl ABuffer {
     /// How far the nearest layer is.
     fn front(&self, graph: &mut Graph, view: &View, built: &Built, front: ImageHandle) -> ImageHandle {
         let mut pass = graph.compute(format!("{}.front", built.name), &front_comp::SHADER);
-        built.bind(&mut pass, self.format);
+        built.bind(&mut pass, self);
         pass.uniform(front_comp::VIEWS, &ViewSet::from(*view).block()).uniform_data(front_comp::ABUFFER, built.frame);
         let front = pass.write(front_comp::FRONT, front);
         pass.dispatch_indirect(&built.scanned.totals, offset_of!(blocks::Totals, work_groups) as u64);

@@ -7,7 +7,7 @@ use ash::vk;
 use super::arrays::Arrays;
 use super::resolve::{GROUPS, LONG_GROUPS, SHORT};
 use super::told::{Amount, Told};
-use super::{ABuffer, Built, NodeFormat, node};
+use super::{ABuffer, Built, NODES, NodeFormat, node};
 use crate::Error;
 use crate::graph::{Graph, ImageHandle, ImageShape};
 use crate::shader::generated::blocks;
@@ -27,7 +27,7 @@ pub struct SortedLists {
 }
 
 impl ABuffer {
-    /// Sorts all fragments before the opaque `depth`. `name` stands before the names of passes and resources. Nodes are
+    /// Sorts all fragments before the opaque `depth`, of one sample a pixel. `name` stands before the names of passes and resources. Nodes are
     /// of [`NodeFormat::CompactTinted`] or [`NodeFormat::Transmittance`], whichever is asked for.
     ///
     /// Running the frame fails with [`crate::Error::Invalid`] where there are more fragments than [`MOST_SORTED`] or than
@@ -45,12 +45,15 @@ impl ABuffer {
             NodeFormat::Transmittance => NodeFormat::Transmittance,
             _ => NodeFormat::CompactTinted,
         };
-        let this = Self { format, ..*self };
+        let this = Self { format, samples: 1, ..*self };
         // 1. An array for each pixel.
         let count = count(graph, name, depth, fragments);
         let (Arrays { built, sorted: room, .. }, totals) = this.arrays(graph, name, depth, fragments, &count);
-        let sorted =
-            Told::Totals(totals).image(graph, format!("{name}.sorted"), move |Amount { nodes, longest, .. }| {
+        let sorted = Told::Totals(totals).image(
+            graph,
+            format!("{name}.sorted"),
+            NODES,
+            move |Amount { nodes, longest, .. }| {
                 if nodes > MOST_SORTED {
                     let wrong = format!("{nodes} fragments are more than the {MOST_SORTED} that can be listed");
                     return Err(Error::invalid("A-buffer", wrong));
@@ -60,7 +63,8 @@ impl ABuffer {
                     return Err(Error::invalid("A-buffer", wrong));
                 }
                 Ok(node::texels_size(nodes))
-            });
+            },
+        );
         let shape = ImageShape::new_2d(vk::Format::R32G32B32A32_SFLOAT, depth.size());
         let spans = graph.image(format!("{name}.spans"), shape);
         let spans = graph.clear(format!("{name}.spans.begin"), spans, vk::ClearColorValue::default());
@@ -84,7 +88,7 @@ impl ABuffer {
         let groups = offset_of!(blocks::Totals, class_groups) as u64;
         for (class, slots) in [4, 8, SHORT].into_iter().enumerate() {
             let mut pass = graph.compute(format!("{}.sort.{slots}", built.name), &sort_comp::SHADER);
-            built.bind(&mut pass, self.format);
+            built.bind(&mut pass, self);
             pass.specialize(sort_comp::SLOTS, slots);
             sorted = pass.write(sort_comp::SORTED, sorted);
             pass.dispatch_indirect(&built.scanned.totals, groups + GROUPS * class as u64);

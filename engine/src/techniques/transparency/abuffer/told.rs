@@ -54,14 +54,14 @@ impl<'f> Told<'f> {
         }
     }
 
-    /// An image of four words a texel.
+    /// An image.
     pub(super) fn image(
         &self,
         graph: &mut Graph<'f>,
         name: String,
+        format: vk::Format,
         size: impl FnOnce(Amount) -> Result<[u32; 2]> + 'f,
     ) -> ImageHandle {
-        let format = vk::Format::R32G32B32A32_UINT;
         let this = self.clone();
         let size = move || size(this.amount(0)?);
         match self {

@@ -3,6 +3,7 @@
 use shadowgraph::graph::RasterPass;
 use shadowgraph::shader::Program;
 use shadowgraph::shader::generated::bench::{self as shaders, layers_vert};
+use shadowgraph::shader::generated::transparency::abuffer::count_multisampled_frag;
 use shadowgraph::shader::generated::transparency::count_frag;
 use shadowgraph::techniques::transparency::fragments::{Draw, Fragments, Step};
 
@@ -71,6 +72,9 @@ impl<'f> Fragments<'f> for Layers {
             Step::ArraysInOrder => Some(&shaders::layers_array_in_order_frag::SHADER),
             Step::Lists => Some(&shaders::layers_list_frag::SHADER),
             Step::SubgroupLists => Some(&shaders::layers_list_subgroup_frag::SHADER),
+            Step::CountMultisampled => Some(&count_multisampled_frag::SHADER),
+            Step::ArraysMultisampled => Some(&shaders::layers_array_multisampled_frag::SHADER),
+            Step::ListsMultisampled => Some(&shaders::layers_list_multisampled_frag::SHADER),
             Step::Peel => Some(&shaders::layers_peel_frag::SHADER),
             Step::PeelBothEnds => Some(&shaders::layers_peel_both_ends_frag::SHADER),
             Step::Weigh => Some(&shaders::layers_weigh_frag::SHADER),

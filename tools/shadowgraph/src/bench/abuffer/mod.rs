@@ -12,7 +12,7 @@ use shadowgraph::scene::{Camera, View, depth};
 use shadowgraph::shader::Program;
 use shadowgraph::shader::generated::bench::{layers_blend_frag, layers_vert};
 use shadowgraph::techniques::transparency::OrderIndependent;
-use shadowgraph::techniques::transparency::abuffer::{ABuffer, Build, LongSort, Sizing};
+use shadowgraph::techniques::transparency::abuffer::{ABuffer, Build, LongSort, Sizing, sample_counts};
 use shadowgraph::techniques::transparency::depth_peeling::DepthPeeling;
 use shadowgraph::techniques::transparency::dual_depth_peeling::DualDepthPeeling;
 use shadowgraph::techniques::transparency::fragments::{Fragments, Step};
@@ -59,6 +59,8 @@ enum Kind {
     SubgroupLists,
     /// The A-buffer by counted arrays, long lists sorted so.
     Sorted(LongSort),
+    /// The A-buffer by counted arrays, of so many samples a pixel.
+    Samples(u32),
     /// One of the others.
     Other(usize),
     /// So many bytes filled with a number.
@@ -122,7 +124,29 @@ fn measure_all(gpu: &Gpu, arguments: &BenchArguments, tell: &mut impl FnMut(Meas
     for (name, lengths) in LENGTHS {
         measure(gpu, Layers { size: [256, 256], lengths }, &format!("256x256, {name}"), arguments, tell)?;
     }
+    sample_counts(gpu.caps()).into_iter().try_for_each(|count| samples(gpu, count, arguments, tell))?;
     LONG.into_iter().try_for_each(|length| sorts(gpu, length, arguments, tell))
+}
+
+/// Tells what several samples a pixel take, to one.
+fn samples(
+    gpu: &Gpu,
+    count: u32,
+    arguments: &BenchArguments,
+    tell: &mut impl FnMut(Measurement) -> Result<()>,
+) -> Result<()> {
+    let case = format!("{count} samples 512x512x8");
+    if !arguments.wants(&case) {
+        return Ok(());
+    }
+    let layers = Layers::constant([512, 512], 8);
+    let kinds = [Kind::Nothing, Kind::Arrays, Kind::Samples(count)];
+    let [nothing, single, several] = best(gpu, kinds, layers, arguments.runs)?;
+    let whole = |times: Times| (times.whole - nothing.whole).max(1e-9);
+    tell(figure(case.clone(), "whole", whole(several) * 1e9 / layers.fragments(), "ns/fragment"))?;
+    tell(figure(case.clone(), "to one sample", whole(several) / whole(single), "times"))?;
+    tell(figure(case.clone(), "build to one sample", several.build / single.build.max(1e-9), "times"))?;
+    tell(figure(case, "sort, composite to one sample", several.sort / single.sort.max(1e-9), "times"))
 }
 
 /// Tells what sorting and compositing of long lists takes in each way.
@@ -239,7 +263,8 @@ fn slope(points: &[(f64, f64)]) -> Option<f64> {
 fn frame(gpu: &Gpu, executor: &mut Executor, kind: Kind, layers: Layers) -> Result<Times> {
     let size = layers.size;
     let mut graph = Graph::new("bench", gpu.caps());
-    let depth = cleared_depth(&mut graph, size);
+    let samples = if let Kind::Samples(count) = kind { count } else { 1 };
+    let depth = cleared_depth(&mut graph, size, samples);
     let format = match kind {
         Kind::Blend => vk::Format::R16G16B16A16_SFLOAT,
         _ => vk::Format::R32G32B32A32_SFLOAT,
@@ -263,6 +288,9 @@ fn frame(gpu: &Gpu, executor: &mut Executor, kind: Kind, layers: Layers) -> Resu
         }
         Kind::Sorted(long_sort) => {
             composited(&mut graph, ABuffer { long_sort, ..ABuffer::default() }, layers, &depth, color)
+        }
+        Kind::Samples(samples) => {
+            composited(&mut graph, ABuffer { samples, ..ABuffer::default() }, layers, &depth, color)
         }
         Kind::Filled(bytes) => {
             let filled = graph.buffer("abuffer.least", bytes / 4 * 4);
@@ -296,8 +324,8 @@ fn bytes(shape: &Shape) -> u64 {
     }
 }
 
-fn cleared_depth(graph: &mut Graph, size: [u32; 2]) -> ImageHandle {
-    let depth = graph.image("depth", ImageShape::new_2d(vk::Format::D32_SFLOAT, size));
+fn cleared_depth(graph: &mut Graph, size: [u32; 2], samples: u32) -> ImageHandle {
+    let depth = graph.image("depth", ImageShape::new_2d(vk::Format::D32_SFLOAT, size).samples(samples));
     let mut pass = graph.raster("depth", vec![Program::new(&layers_vert::SHADER, None).depth(depth::CLOSER, true)]);
     let depth = pass.depth(depth, Load::Clear(depth::CLEAR));
     pass.draw(|_| Ok(()));
