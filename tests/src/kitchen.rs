@@ -123,7 +123,7 @@ impl<'g> Kitchen<'g> {
         graph.capture("nodes", nodes.as_ref().unwrap_or_else(|| panic!("{abuffer:?} has no arrays")));
         let plan = graph.compile(self.gpu).map_err(shadowgraph::Error::from)?;
         let executed = self.executor.execute(&plan, graph)?;
-        let mut nodes = abuffer.unpack(&texels::<[u32; 4]>(&executed, "nodes")?).into_iter();
+        let mut nodes = abuffer.unpack(&texels::<[u32; 4]>(&executed, "nodes")?)?.into_iter();
         let count: Vec<f32> = texels(&executed, "count")?;
         Ok(count.into_iter().map(|count| nodes.by_ref().take(count as usize).collect()).collect())
     }

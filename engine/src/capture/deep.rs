@@ -48,7 +48,7 @@ impl<S: Serialize + Sync> FrameCapture<'_, S> {
             Some(abuffer) => {
                 let counts: Vec<f32> = executed.capture(Deep::COUNT)?.texels()?;
                 let texels = executed.capture(Deep::NODES)?.texels::<[u32; 4]>()?;
-                (counts.into_iter().map(|count| count as usize).collect(), abuffer.unpack(&texels))
+                (counts.into_iter().map(|count| count as usize).collect(), abuffer.unpack(&texels)?)
             }
             None => (vec![0; pixels], Vec::new()),
         };

@@ -192,7 +192,7 @@ impl Recipe {
             deep_shadows: arguments.deep_shadows,
             transparency: settings.composited_by().name().replace('_', "-"),
             transparency_setting: (arguments.kept.or(arguments.samples).or(arguments.weight))
-                .or(arguments.abuffer_samples)
+                .or(arguments.abuffer_samples.filter(|_| !settings.deep))
                 .filter(|_| settings.composited_by() == settings.transparency),
         }
     }

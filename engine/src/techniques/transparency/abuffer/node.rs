@@ -144,9 +144,11 @@ impl ABuffer {
         (self.exponent.clamp(-64, 64) as f32).exp2()
     }
 
-    /// Nodes from the texels of [`super::Composited::nodes`], as `node.glsl` packed them. None of
-    /// [`NodeFormat::HalfTinted`], which are not in these texels alone.
-    pub fn unpack(&self, texels: &[[u32; 4]]) -> Vec<Node> {
+    /// Nodes from the texels of [`super::Composited::nodes`], as `node.glsl` packed them.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for [`NodeFormat::HalfTinted`], whose nodes are not in these texels alone.
+    pub fn unpack(&self, texels: &[[u32; 4]]) -> Result<Vec<Node>> {
         let unit = self.unit();
         let scaled = |[red, green, blue]: [f32; 3], alpha: f32| [red * unit, green * unit, blue * unit, alpha];
         let float = |word: u32| f32::from_bits(word);
@@ -169,7 +171,7 @@ impl ABuffer {
                     let [red, green, blue, alpha] = texels[1].map(float);
                     plain(scaled([red, green, blue], alpha))
                 }
-                NodeFormat::CompactTinted | NodeFormat::HalfTinted => {
+                NodeFormat::CompactTinted => {
                     let through = [high, high >> 10, high >> 20].map(|steps| (steps & 1023) as f32 / 1023.0);
                     tinted(shared_exponent(low), through)
                 }
@@ -182,13 +184,12 @@ impl ABuffer {
                     let words = u64::from(low) | u64::from(high) << 32;
                     tinted([0.0; 3], [0, 21, 42].map(|bit| (words >> bit & MOST) as f32 / MOST as f32))
                 }
+                NodeFormat::HalfTinted => return None,
             };
-            Node { depth: float(depth), key, color, through, samples }
+            Some(Node { depth: float(depth), key, color, through, samples })
         };
-        match self.format {
-            NodeFormat::HalfTinted => Vec::new(),
-            _ => texels.chunks_exact(self.format.texels() as usize).map(node).collect(),
-        }
+        let nodes: Option<_> = texels.chunks_exact(self.format.texels() as usize).map(node).collect();
+        nodes.ok_or_else(|| Error::invalid("nodes of `NodeFormat::HalfTinted`", "have words beside these texels"))
     }
 
     /// `program` with the constants of `node.glsl`.
@@ -213,13 +214,14 @@ fn shared_exponent(word: u32) -> [f32; 3] {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 
     #[test]
     fn nodes_are_unpacked_as_they_were_packed() {
         let unpacked =
-            |format, texels: &[[u32; 4]]| ABuffer { format, exponent: 1, ..ABuffer::default() }.unpack(texels);
+            |format, texels: &[[u32; 4]]| ABuffer { format, exponent: 1, ..ABuffer::default() }.unpack(texels).unwrap();
         let depth = 0.25_f32.to_bits();
         // 2⁻¹ · (256, 128, 1) / 256, as RGB9E5 has it: mantissas of nine bits, scale 2^(exponent - 24).
         let shared = 256 | 128 << 9 | 1 << 18 | 15 << 27;
@@ -246,5 +248,7 @@ mod tests {
         let words = u64::from(most) | 1 << 41 | u64::from(most) << 42;
         let node = unpacked(NodeFormat::Transmittance, &[[depth, 9, words as u32, (words >> 32) as u32]])[0];
         assert_eq!(node.through, [1.0, (1 << 20) as f32 / most as f32, 1.0]);
+        let beside = ABuffer { format: NodeFormat::HalfTinted, ..ABuffer::default() };
+        assert!(beside.unpack(&[[depth, 9, 0, 0]]).unwrap_err().to_string().contains("HalfTinted"));
     }
 }
