@@ -4,7 +4,6 @@
 
 layout(constant_id = 11) const uint SAMPLES = 1u;
 
-const uint MOST_SAMPLES = 8u;
 // Where pixels have several samples, the lowest bits of a node's key are those that it is seen at.
 const uint SAMPLE_BITS = 8u;
 

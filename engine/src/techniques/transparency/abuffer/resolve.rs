@@ -11,8 +11,8 @@ use crate::graph::{BufferHandle, Checkpoint, Graph, ImageHandle, ImageShape};
 use crate::scene::{View, ViewSet};
 use crate::shader::generated::blocks;
 use crate::shader::generated::transparency::abuffer::{
-    front_comp, long_blocks_comp, long_composite_comp, long_flatten_comp, long_in_place_comp, long_merge_comp,
-    long_runs_comp, resolve_comp,
+    front_comp, long_blocks_comp, long_composite_comp, long_composite_multisampled_comp, long_flatten_comp,
+    long_in_place_comp, long_merge_comp, long_runs_comp, resolve_comp, resolve_multisampled_comp,
 };
 use crate::{Error, Result};
 
@@ -100,8 +100,12 @@ impl ABuffer {
     fn short(&self, graph: &mut Graph, built: &Built, onto: Resolved) -> Resolved {
         let Resolved { mut color, mut report, front, nearest } = onto;
         let groups = offset_of!(blocks::Totals, class_groups) as u64;
+        let shader = match self.samples {
+            1 => &resolve_comp::SHADER,
+            _ => &resolve_multisampled_comp::SHADER,
+        };
         for (class, slots) in [4, 8, SHORT].into_iter().enumerate() {
-            let mut pass = graph.compute(format!("{}.resolve.{slots}", built.name), &resolve_comp::SHADER);
+            let mut pass = graph.compute(format!("{}.resolve.{slots}", built.name), shader);
             built.bind(&mut pass, self);
             pass.uniform_data(resolve_comp::ABUFFER, built.frame)
                 .read(resolve_comp::ENDS, &built.ends)
@@ -184,7 +188,11 @@ impl ABuffer {
         let Resolved { color, report, front, nearest } = onto;
         let Built { name, scanned, frame, .. } = built;
         let [even, odd] = self.merged(graph, built, sorted);
-        let mut pass = graph.compute(format!("{name}.long.composite"), &long_composite_comp::SHADER);
+        let shader = match self.samples {
+            1 => &long_composite_comp::SHADER,
+            _ => &long_composite_multisampled_comp::SHADER,
+        };
+        let mut pass = graph.compute(format!("{name}.long.composite"), shader);
         pass.uniform_data(long_composite_comp::ABUFFER, *frame)
             .read(long_composite_comp::NODES, &built.nodes)
             .read(long_composite_comp::BESIDE, &built.beside)

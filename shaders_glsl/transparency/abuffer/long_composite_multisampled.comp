@@ -1,0 +1,4 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#define MULTISAMPLED
+#include "transparency/abuffer/long_composite.glsl"
