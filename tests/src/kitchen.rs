@@ -196,10 +196,7 @@ fn record<'f, T>(
         sampler: map_sampler(),
         environment: Vec3::ZERO,
     };
-    let depth = match samples {
-        1 => DepthPrepass.record(graph, scene, &view),
-        _ => DepthPrepass.record_samples(graph, scene, &view, samples),
-    };
+    let depth = DepthPrepass.record_samples(graph, scene, &view, samples);
     let color = graph.image("color", ImageShape::new_2d(ash::vk::Format::R32G32B32A32_SFLOAT, view.size));
     let color = graph.clear("background", color, ash::vk::ClearColorValue { float32: BACKGROUND });
     let mut blended = Blended::new(graph, scene, view, &lights);

@@ -161,6 +161,7 @@ const INSTANCE: [VertexAttribute; 8] = {
         [attribute(9, FLOAT3, normals), attribute(10, FLOAT3, normals + 12), attribute(11, FLOAT3, normals + 24)];
     let handedness = attribute(12, vk::Format::R32_SFLOAT, offset_of!(Instance, handedness));
     let numbers = attribute(13, vk::Format::R32G32B32A32_UINT, offset_of!(Instance, object));
+    assert!(offset_of!(Instance, first_blended) == offset_of!(Instance, object) + 12, "four numbers side by side");
     [x, y, z, normal_x, normal_y, normal_z, handedness, numbers]
 };
 

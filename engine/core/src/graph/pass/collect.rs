@@ -147,8 +147,7 @@ impl Collected {
 
     pub(super) fn finish(self, graph: &mut Graph) -> (Name, Range<usize>) {
         let (shaders, mine) = (self.shaders.all(), self.first_bound..graph.bound.len());
-        let all = if are_bound_once(shaders, &graph.bound[mine.clone()]) { &[] } else { shaders };
-        for (index, shader) in all.iter().enumerate() {
+        for (index, shader) in shaders.iter().enumerate() {
             for binding in shader.bindings.iter().filter(|binding| binding.set == 0) {
                 let bound = graph.bound[mine.clone()].iter();
                 let count = bound.filter(|bound| bound.binding == binding.binding).count();
@@ -165,20 +164,6 @@ impl Collected {
         }
         (self.name, mine)
     }
-}
-
-/// Whether it is plain to see that each binding of set 0 is bound once.
-fn are_bound_once(shaders: &[&Shader], bound: &[Bound]) -> bool {
-    let bit = |binding: u32| 1_u64.checked_shl(binding).unwrap_or(0);
-    let mut seen = 0;
-    for bit in bound.iter().map(|bound| bit(bound.binding)) {
-        if bit == 0 || seen & bit != 0 {
-            return false;
-        }
-        seen |= bit;
-    }
-    let mut bindings = shaders.iter().flat_map(|shader| shader.bindings).filter(|binding| binding.set == 0);
-    bindings.all(|binding| seen & bit(binding.binding) != 0)
 }
 
 fn stage(stage: Stage) -> vk::PipelineStageFlags2 {

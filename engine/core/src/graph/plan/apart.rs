@@ -52,7 +52,10 @@ pub fn apart(description: &Description, plan: &Plan, a: ResourceId, b: ResourceI
     let (first, last) = (one.steps[0].max(other.steps[0]), one.steps[1].min(other.steps[1]));
     if first <= last {
         // A root lives on behind its last use.
-        let used = |id: ResourceId| plan.steps.iter().rposition(|step| uses(description, step.work, id));
+        let used = |id| {
+            let is_of = |(version, _): (VersionId, _)| description.versions[version.0 as usize].resource == id;
+            plan.steps.iter().rposition(|step| step.work.uses(description).any(is_of))
+        };
         let kept = [a, b].into_iter().find(|&id| used(id).is_some_and(|end| end < first));
         return Some(match kept {
             Some(resource) => Apart::Kept { resource },
@@ -64,18 +67,6 @@ pub fn apart(description: &Description, plan: &Plan, a: ResourceId, b: ResourceI
         (true, _) => None,
         (false, true) => Some(Apart::Elsewhere),
         (false, false) => Some(Apart::Queues),
-    }
-}
-
-/// Whether a step uses a resource.
-fn uses(description: &Description, work: Work, resource: ResourceId) -> bool {
-    let is_of = |version: VersionId| description.versions[version.0 as usize].resource == resource;
-    match work {
-        Work::Pass(pass) => {
-            let uses = description.uses_of(&description.passes[pass.0 as usize]);
-            uses.iter().any(|used| is_of(used.version))
-        }
-        Work::ReadBack(root) => is_of(description.roots[root].version),
     }
 }
 

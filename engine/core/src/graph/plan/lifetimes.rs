@@ -3,8 +3,8 @@
 use super::history::{At, History, Schedule};
 use super::queues::{Crossing, QUEUES};
 use super::versions::Versions;
-use super::{Lifetime, Plan, Work};
-use crate::graph::description::{Description, Queue, ResourceId, VersionId};
+use super::{Lifetime, Plan};
+use crate::graph::description::{Description, Queue, ResourceId};
 
 /// First and last step of something in use; `NEVER`: of nothing.
 type Steps = [u32; 2];
@@ -135,18 +135,9 @@ pub fn lifetimes(description: &Description, plan: &Plan) -> Vec<Lifetime> {
     let cells = Versions::of_right(description).cells;
     let mut used: Vec<Option<[usize; 2]>> = vec![None; cells.len()];
     for (index, step) in plan.steps.iter().enumerate() {
-        let mut add = |version: VersionId| {
-            for &cell in cells.covered(version.0 as usize) {
-                let used = &mut used[cell as usize];
-                *used = Some([used.map_or(index, |[first, _]| first), index]);
-            }
-        };
-        match step.work {
-            Work::Pass(pass) => {
-                let pass = description.passes.get(pass.0 as usize);
-                pass.map_or(&[][..], |pass| description.uses_of(pass)).iter().for_each(|used| add(used.version));
-            }
-            Work::ReadBack(root) => description.roots.get(root).into_iter().for_each(|root| add(root.version)),
+        for &cell in step.work.uses(description).flat_map(|(version, _)| cells.covered(version.0 as usize)) {
+            let used = &mut used[cell as usize];
+            *used = Some([used.map_or(index, |[first, _]| first), index]);
         }
     }
 

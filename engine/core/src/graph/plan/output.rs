@@ -4,7 +4,7 @@ use smallvec::SmallVec;
 
 use super::Usage;
 use super::reason::{CullReason, Reason};
-use crate::graph::description::{Access, PassId, Queue, Range, ResourceId, State};
+use crate::graph::description::{Access, Description, PassId, Queue, Range, ResourceId, State, VersionId};
 
 /// What to record and submit, in which order, with which barriers, over which memory.
 ///
@@ -54,6 +54,19 @@ pub enum Work {
     /// Copies the root of this index to memory that the host reads, by `vkCmdCopyImageToBuffer` from
     /// `TRANSFER_SRC_OPTIMAL` or by `vkCmdCopyBuffer`.
     ReadBack(usize),
+}
+
+impl Work {
+    /// Versions that it uses, and whether it only writes over them.
+    pub(in crate::graph) fn uses(self, description: &Description) -> impl Iterator<Item = (VersionId, bool)> {
+        let (pass, root) = match self {
+            Self::Pass(pass) => (description.passes.get(pass.0 as usize), None),
+            Self::ReadBack(root) => (None, description.roots.get(root)),
+        };
+        let uses = pass.map_or(&[][..], |pass| description.uses_of(pass)).iter();
+        let uses = uses.map(|used| (used.version, used.makes.is_some() && !used.reads));
+        uses.chain(root.map(|root| (root.version, false)))
+    }
 }
 
 /// Steps that are submitted together.

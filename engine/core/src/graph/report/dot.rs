@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::build::part;
-use super::path::{critical_path, makers, used};
+use super::path::{critical_path, makers};
 use crate::graph::description::{Description, Queue};
 use crate::graph::plan::{Plan, Work};
 
@@ -44,7 +44,7 @@ pub fn dot(description: &Description, plan: &Plan) -> String {
     let critical: Vec<(Work, Work)> =
         path.windows(2).map(|pair| (plan.steps[pair[0]].work, plan.steps[pair[1]].work)).collect();
     for step in &plan.steps {
-        for (version, dashed) in used(description, step.work) {
+        for (version, dashed) in step.work.uses(description) {
             let known = &description.versions[version.0 as usize];
             let resource = &description.resources[known.resource.0 as usize];
             let label = format!("{} {}", resource.name, part(&resource.shape, &known.range));

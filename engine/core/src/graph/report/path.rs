@@ -12,7 +12,7 @@ pub fn critical_path(description: &Description, plan: &Plan, cost: impl Fn(usize
     // By step: cost of the longest chain that ends with it, and the step before it.
     let mut chains: Vec<(f64, Option<usize>)> = Vec::with_capacity(plan.steps.len());
     for (index, step) in plan.steps.iter().enumerate() {
-        let versions = used(description, step.work).into_iter().map(|(version, _)| version);
+        let versions = step.work.uses(description).map(|(version, _)| version);
         let makers = versions.flat_map(|version| makers(description, version));
         let steps = makers.map(|pass| step_of[pass.0 as usize]).filter(|&step| step < index);
         let before = steps.max_by(|&a, &b| chains[a].0.total_cmp(&chains[b].0).then(b.cmp(&a)));
@@ -50,7 +50,7 @@ pub(super) fn dependencies(description: &Description, plan: &Plan) -> Vec<Vec<De
     }
     let of = |step: &crate::graph::plan::Step| {
         let mut found = Vec::new();
-        for (id, overwrites) in used(description, step.work) {
+        for (id, overwrites) in step.work.uses(description) {
             let version = &description.versions[id.0 as usize];
             let resource = &description.resources[version.resource.0 as usize];
             let part = part(&resource.shape, &version.range);
@@ -63,17 +63,6 @@ pub(super) fn dependencies(description: &Description, plan: &Plan) -> Vec<Vec<De
         found
     };
     plan.steps.iter().map(of).collect()
-}
-
-/// Versions that a step uses, and whether it only writes over them.
-pub(super) fn used(description: &Description, work: Work) -> Vec<(VersionId, bool)> {
-    match work {
-        Work::Pass(pass) => {
-            let uses = description.uses_of(&description.passes[pass.0 as usize]);
-            uses.iter().map(|used| (used.version, used.makes.is_some() && !used.reads)).collect()
-        }
-        Work::ReadBack(root) => vec![(description.roots[root].version, false)],
-    }
 }
 
 /// Passes that wrote a version or its parts last.

@@ -12,11 +12,10 @@ pub struct DepthPrepass;
 impl DepthPrepass {
     /// Draws the scene's depth as a camera sees it: D32, `scene::depth`'s convention.
     pub fn record<'f>(&self, graph: &mut Graph<'f>, scene: &'f GpuScene, view: &View) -> ImageHandle {
-        let target = graph.image("depth", ImageShape::new_2d(vk::Format::D32_SFLOAT, view.size));
-        scene.record_depth(graph, "depth", &(*view).into(), target, Faces::Material)
+        draw(graph, scene, view, "depth", 1)
     }
 
-    /// The same of several samples a pixel: 2, 4, … as many as the device has. Materials with an alpha cutoff cover all
+    /// The same of several samples a pixel: 1, 2, 4, … as many as the device has. Materials with an alpha cutoff cover all
     /// samples of a pixel that their triangle covers, or none.
     pub fn record_samples<'f>(
         &self,
@@ -25,8 +24,12 @@ impl DepthPrepass {
         view: &View,
         samples: u32,
     ) -> ImageHandle {
-        let shape = ImageShape::new_2d(vk::Format::D32_SFLOAT, view.size).samples(samples);
-        let target = graph.image("depth.samples", shape);
-        scene.record_depth(graph, "depth.samples", &(*view).into(), target, Faces::Material)
+        draw(graph, scene, view, "depth.samples", samples)
     }
+}
+
+fn draw<'f>(graph: &mut Graph<'f>, scene: &'f GpuScene, view: &View, name: &str, samples: u32) -> ImageHandle {
+    let shape = ImageShape::new_2d(vk::Format::D32_SFLOAT, view.size).samples(samples);
+    let target = graph.image(name.to_string(), shape);
+    scene.record_depth(graph, name, &(*view).into(), target, Faces::Material)
 }

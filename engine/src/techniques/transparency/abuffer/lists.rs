@@ -38,8 +38,10 @@ impl ABuffer {
         let count = graph.image("abuffer.count", ImageShape::new_2d(vk::Format::R32_SFLOAT, size));
         let count = graph.clear("abuffer.count.begin", count, vk::ClearColorValue::default());
         let onto = Resolved::new(graph, self.layers, color);
+        // A query would count each sample: the counter of lists without room counts fragments.
+        let sizing = if self.samples > 1 && sizing == Sizing::Counted { Sizing::Guessed(0) } else { sizing };
         let (resolved, count, totals, counter) = match sizing {
-            Sizing::Counted if self.samples == 1 => {
+            Sizing::Counted => {
                 // 1. How many fragments there are, then lists of as many nodes.
                 samples(graph, depth, fragments);
                 let told = graph.checkpoint_samples("abuffer.samples", "abuffer.samples");
@@ -55,9 +57,8 @@ impl ABuffer {
                 let ((built, sorted), totals, count) = self.listed(graph, "abuffer", lists, count, frame);
                 (self.resolve(graph, view, &built, sorted, onto).0, count, totals, counter)
             }
-            Sizing::Counted | Sizing::Guessed(_) => {
+            Sizing::Guessed(capacity) => {
                 // 1. Lists of so many nodes; the counter counts all fragments.
-                let capacity = if let Sizing::Guessed(capacity) = sizing { capacity } else { 0 };
                 let most = self.most_nodes(caps, true);
                 let capacity = u64::from(capacity).min(most) as u32;
                 let room = self.image_size(u64::from(capacity));

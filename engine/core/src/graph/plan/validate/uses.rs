@@ -5,9 +5,7 @@ use std::hash::{Hash, Hasher};
 use ash::vk::{self, AccessFlags2 as Mask, PipelineStageFlags2 as Stages};
 
 use super::{Errors, Place};
-use crate::graph::description::{
-    Access, Description, ImageShape, Pass, Queue, Range, Shape, Source, Use, Version, VersionId,
-};
+use crate::graph::description::{Access, Description, ImageShape, Pass, Queue, Range, Shape, Source, Use};
 use crate::graph::errors::ErrorKind;
 use crate::graph::plan::Usage;
 use crate::graph::plan::memo::Memo;
@@ -49,8 +47,8 @@ pub(super) fn pass(
     }
     for used in uses {
         let place = |resource| Place { pass: Some(pass), slot: Some(&used.slot), resource };
-        if !ids_are_right(errors.description, pass, used) {
-            ids(errors, place(None), used);
+        if let Err((kind, wrong, allowed)) = ids(errors.description, pass, used) {
+            errors.add(kind, place(None), wrong, allowed);
             continue;
         }
         if !versions.is_known(used.version) {
@@ -88,31 +86,26 @@ pub(super) fn pass(
     }
 }
 
-/// Whether there is the version that a use names, and the one it makes, which says so itself.
-fn ids_are_right(description: &Description, pass: &Pass, used: &Use) -> bool {
-    let is_mine = |made: VersionId| match description.versions.get(made.0 as usize) {
-        Some(Version { source: Source::Pass { pass: by, .. }, .. }) => {
-            description.passes.get(by.0 as usize).is_some_and(|by| std::ptr::eq(by, pass))
-        }
-        _ => false,
-    };
-    (used.version.0 as usize) < description.versions.len() && used.makes.is_none_or(is_mine)
-}
-
-/// What is wrong with the ids of a use.
-fn ids(errors: &mut Errors, place: Place, used: &Use) {
-    let versions = &errors.description.versions;
-    let count = versions.len();
+/// There is the version that a use names, and the one it makes, which says so itself; else what is wrong, and what is
+/// allowed.
+fn ids(description: &Description, pass: &Pass, used: &Use) -> Result<(), (ErrorKind, String, String)> {
+    let count = description.versions.len();
     for id in std::iter::once(used.version).chain(used.makes) {
         if id.0 as usize >= count {
             let wrong = format!("uses version {}, which there is not", id.0);
-            return errors.add(ErrorKind::UnknownId, place, wrong, format!("the description has {count} versions"));
+            return Err((ErrorKind::UnknownId, wrong, format!("the description has {count} versions")));
         }
     }
-    if let Some(made) = used.makes {
+    let Some(made) = used.makes else { return Ok(()) };
+    let maker = match description.versions[made.0 as usize].source {
+        Source::Pass { pass, .. } => description.passes.get(pass.0 as usize),
+        _ => None,
+    };
+    if maker.is_none_or(|maker| !std::ptr::eq(maker, pass)) {
         let wrong = format!("makes version {}, which is not of its making", made.0);
-        errors.add(ErrorKind::BadVersion, place, wrong, "a use makes a version whose source is its pass");
+        return Err((ErrorKind::BadVersion, wrong, "a use makes a version whose source is its pass".into()));
     }
+    Ok(())
 }
 
 /// Whoever writes makes a version, and the other way round.
