@@ -39,7 +39,7 @@ layout(set = 1, binding = 4) uniform sampler2D emissive_texture;
 layout(set = 1, binding = 6) uniform sampler2D transmission_texture;
 
 bool has_texture(uint slot) {
-    return (TEXTURES & (1u << slot)) != 0u && (material.flags & (1u << slot)) != 0u;
+    return (TEXTURES & (1u << slot)) != 0u;
 }
 
 vec2 texture_coordinates(uint slot, vec2 uv0, vec2 uv1) {
