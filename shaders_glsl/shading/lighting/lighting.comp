@@ -11,6 +11,9 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
+// Whether a light has a deep shadow map: a software driver would fetch from none for each light.
+layout(constant_id = 0) const bool DEEP_SHADOWS = false;
+
 layout(set = 0, binding = 4) uniform texture2D albedo;
 layout(set = 0, binding = 5) uniform texture2D normal;
 layout(set = 0, binding = 6) uniform texture2D material;
@@ -57,7 +60,7 @@ void main() {
         if (lights[i].mask >= 0) {
             illuminance *= texelFetch(masks, ivec3(pixel, lights[i].mask), 0).r;
         }
-        if (lights[i].deep >= 0) {
+        if (DEEP_SHADOWS && lights[i].deep >= 0) {
             illuminance *= texelFetch(deep_masks, ivec3(pixel, lights[i].deep), 0).rgb;
         }
         lit += illuminance * brdf_cosine(r, n, v, l);

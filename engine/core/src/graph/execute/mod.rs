@@ -30,7 +30,7 @@ use self::ready::{Phase, Task};
 use self::resources::Resources;
 use self::transients::Transients;
 use super::builder::Graph;
-use super::description::{Description, PassId};
+use super::description::{Description, PassId, VersionId};
 use super::pass::{Bound, Work};
 use super::plan::{Plan, Segment};
 use super::record::{self, BoundCompute};
@@ -86,6 +86,8 @@ struct Frame<'f> {
     first_pass: u32,
     /// By pass of the whole frame, whether it runs. Nothing for a frame of one segment.
     live: Vec<bool>,
+    /// What the host reads at checkpoints to come.
+    awaited: Vec<VersionId>,
 }
 
 /// A segment that has run.
@@ -177,7 +179,8 @@ impl<'g> Executor<'g> {
         self.histories.take(self.gpu, &histories, &mut external)?;
         let arena = self.arena_of_this_frame(&arena.bytes)?;
         let (work, memory, bound) = (work.into_iter(), Resources(external), Arc::new(bound));
-        let mut frame = Frame { work, bound, memory, arena, queries, first_pass: 0, live: Vec::new() };
+        let mut frame =
+            Frame { work, bound, memory, arena, queries, first_pass: 0, live: Vec::new(), awaited: Vec::new() };
         if description.checkpoints.is_empty() {
             let (ran, description) = self.run_once(description, plan, &mut frame)?;
             self.histories.keep(histories, plan, &frame.memory.0);
@@ -215,7 +218,8 @@ impl<'g> Executor<'g> {
         let turns = self.histories.share(histories, plan, &mut external)?;
         let arena = self.arena(&arena.bytes)?;
         let (work, memory, bound) = (work.into_iter(), Resources(external), Arc::new(bound));
-        let mut frame = Frame { work, bound, memory, arena, queries, first_pass: 0, live: Vec::new() };
+        let mut frame =
+            Frame { work, bound, memory, arena, queries, first_pass: 0, live: Vec::new(), awaited: Vec::new() };
         let descriptors = self.gpu.descriptor_cache(&description.name);
         self.ready(description, plan, &mut frame, (descriptors, turns))
     }
@@ -243,15 +247,15 @@ impl<'g> Executor<'g> {
         let descriptors = self.descriptors.take().unwrap_or_else(|| self.gpu.descriptor_cache("passes"));
         let mut prepared = self.ready(description, plan, frame, (descriptors, Turns::default()))?;
         let readying = start.elapsed();
-        let later = frame.live.iter().skip(frame.first_pass as usize);
-        let later = frame.work.as_slice().iter().zip(later).filter_map(|(work, &live)| live.then_some(work));
+        let later = frame.work.as_slice().iter().zip(frame.live.iter().skip(frame.first_pass as usize));
+        let later = later.filter(|(work, live)| **live && !work.waits_for(&frame.awaited)).map(|(work, _)| work);
         let ran = self.record_and_wait(&mut prepared, 0, later)?;
         let memory = prepared.phases.pop().map(|phase| phase.memory).unwrap_or_default();
         (self.descriptors, frame.memory) = (Some(prepared.descriptors), memory);
         Ok((Ran { recording: ran.recording + readying, ..ran }, prepared.description))
     }
 
-    /// `later`: what segments after this one do. Their pipelines are made while the device is busy.
+    /// `later`: what segments after this one do, whatever the host reads. Their pipelines are made while the device is busy.
     fn record_and_wait<'w, 'f: 'w>(
         &mut self,
         prepared: &mut Prepared,

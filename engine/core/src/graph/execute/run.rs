@@ -26,8 +26,8 @@ pub(super) fn run(
                 Groups::Direct(groups) => {
                     record::dispatch(device, commands, (ready, bound), push.bytes(asked), groups, None)
                 }
-                Groups::Indirect(resource, offset) => {
-                    let indirect = memory.buffer(resource).map(|buffer| (buffer, offset));
+                Groups::Indirect { buffer, offset, .. } => {
+                    let indirect = memory.buffer(buffer).map(|buffer| (buffer, offset));
                     record::dispatch(device, commands, (ready, bound), push.bytes(asked), [0; 3], indirect);
                 }
             }

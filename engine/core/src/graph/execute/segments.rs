@@ -3,9 +3,19 @@
 use super::{Capture, Executed, Executor, Frame, Ran};
 use crate::Result;
 use crate::graph::checkpoint::{self, Later};
-use crate::graph::description::Description;
+use crate::graph::description::{Description, Range, VersionId};
 use crate::graph::history::Declared;
 use crate::graph::plan::{Plan, first_segment, segment};
+
+impl Frame<'_> {
+    /// The host has read a version at a checkpoint: passes to come need not ask the device what it holds.
+    fn know(&mut self, known: VersionId, whole: &Description, read: &Capture) -> Result<()> {
+        self.awaited.retain(|&version| version != known);
+        let Range::Buffer([first, _]) = whole.versions[known.0 as usize].range else { return Ok(()) };
+        let work = self.work.as_mut_slice();
+        read.bytes(|bytes| work.iter_mut().for_each(|work| work.know(known, first, bytes)))
+    }
+}
 
 impl Executor<'_> {
     /// `plan`: of the first segment.
@@ -20,6 +30,8 @@ impl Executor<'_> {
         let mut captures: Vec<Option<Capture>> = whole.roots.iter().map(|_| None).collect();
         let mut executed = Executed::default();
         let mut ends = Vec::new();
+        let version_of = |root: usize| whole.roots[root].version;
+        frame.awaited = whole.checkpoints.iter().filter_map(|at| at.root).map(version_of).collect();
         for index in 0..=whole.checkpoints.len() {
             // 1. Plan it, by what the segments before it left. The first one was planned by the caller.
             let mut planned = match index {
@@ -43,11 +55,14 @@ impl Executor<'_> {
             planned.roots.iter().zip(read).for_each(|(&root, capture)| captures[root] = capture);
 
             // 3. Read what the checkpoint asks for: sizes and bytes follow from it.
-            if let Some(at) = whole.checkpoints.get(index) {
-                let capture = at.root.and_then(|root| captures[root].take());
+            if let Some(root) = whole.checkpoints.get(index).map(|at| at.root) {
+                let capture = root.and_then(|root| captures[root].take());
                 let arena = frame.arena.as_ref();
                 let write = |offset, bytes: &[u8]| arena.map_or(Ok(()), |arena| arena.write(offset, bytes));
                 checkpoint::reach(&mut later, index, &executed, capture.as_ref(), &mut whole, write)?;
+                if let (Some(root), Some(capture)) = (root, capture) {
+                    frame.know(whole.roots[root].version, &whole, &capture)?;
+                }
             }
 
             // 4. Hand on how it left its resources; what the frame leaves is what the last one leaves.

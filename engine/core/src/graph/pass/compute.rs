@@ -71,7 +71,7 @@ impl<'g, 'f> ComputePass<'g, 'f> {
             self.graph.mistake(Some(&self.collected.name), Some("indirect dispatch"), wrong, allowed);
         }
         self.graph.used("indirect dispatch", groups, Access::indirect());
-        self.finish(Groups::Indirect(groups.resource, offset));
+        self.finish(Groups::Indirect { buffer: groups.resource, version: groups.version, offset });
     }
 
     #[inline]

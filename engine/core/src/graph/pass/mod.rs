@@ -15,7 +15,7 @@ pub use compute::ComputePass;
 pub use raster::RasterPass;
 
 use super::builder::Data;
-use super::description::{self, ResourceId};
+use super::description::{self, ResourceId, VersionId};
 use super::record::Recorder;
 use crate::Result;
 use crate::gpu::{self, Buffer, Image, SamplerInfo};
@@ -71,6 +71,29 @@ impl Work<'_> {
             Self::Fill { .. } | Self::Clear { .. } | Self::ClearDepth { .. } | Self::Zero(_) => {}
         }
     }
+
+    /// Whether one of these versions says how many workgroups are dispatched.
+    pub(in crate::graph) fn waits_for(&self, versions: &[VersionId]) -> bool {
+        match self {
+            Self::Compute { groups: Groups::Indirect { version, .. }, .. } => versions.contains(version),
+            _ => false,
+        }
+    }
+
+    /// The host knows the bytes of a version from an offset of its buffer on: a dispatch of as many workgroups as they say
+    /// need not ask the device, and one of none does nothing.
+    pub(in crate::graph) fn know(&mut self, known: VersionId, first: u64, bytes: &[u8]) {
+        let Self::Compute { groups, .. } = self else { return };
+        let Groups::Indirect { version, offset, .. } = *groups else { return };
+        let at = offset.checked_sub(first).filter(|_| version == known);
+        let said = at.and_then(|at| bytes.get(at as usize..)).and_then(<[u8]>::first_chunk::<12>);
+        let Some(said) = said.map(|said| bytemuck::pod_read_unaligned::<[u32; 3]>(said)) else { return };
+        if said.contains(&0) {
+            *self = Self::Zero(Vec::new());
+        } else {
+            *groups = Groups::Direct(said);
+        }
+    }
 }
 
 pub(in crate::graph) type DrawFn<'f> = Box<dyn FnMut(&mut Recorder) -> Result<()> + 'f>;
@@ -109,7 +132,12 @@ impl Push<'_> {
 /// Workgroups of a dispatch.
 pub(in crate::graph) enum Groups {
     Direct([u32; 3]),
-    Indirect(ResourceId, u64),
+    /// At an offset of a buffer.
+    Indirect {
+        buffer: ResourceId,
+        version: VersionId,
+        offset: u64,
+    },
 }
 
 /// What lies behind a binding of set 0.

@@ -57,7 +57,8 @@ impl Lighting {
             .read(shader::ALBEDO, input.albedo)
             .read(shader::NORMAL, input.normal)
             .read(shader::MATERIAL, input.material)
-            .read(shader::EMISSIVE, input.emissive);
+            .read(shader::EMISSIVE, input.emissive)
+            .specialize(shader::DEEP_SHADOWS, input.deep_masks.is_some());
         match input.masks {
             Some(masks) => pass.read(shader::MASKS, masks),
             None => pass.texture(shader::MASKS, &scene.white, SamplerInfo::nearest()),
