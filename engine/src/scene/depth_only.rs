@@ -1,7 +1,7 @@
 //! Drawing a scene's depth into the layers of an image, one view a layer: the depth pre-pass and shadow maps.
 
 use super::draw::{ALPHA_TESTED, Draw, DrawClass, Faces, POSITIONS};
-use super::{GpuScene, ViewSet, depth};
+use super::{GpuScene, Region, ViewSet, depth};
 use crate::geometry::Frustum;
 use crate::gpu::{Caps, Feature};
 use crate::graph::{Graph, ImageHandle, Load, RasterPass};
@@ -43,13 +43,14 @@ impl Expansion {
 struct Batch {
     /// Number pushed to the vertex shader; `None` where the hardware knows it.
     view: Option<u32>,
+    region: Region,
     /// Opaque and masked.
     draws: [Vec<Draw>; 2],
 }
 
 impl GpuScene {
     /// Clears `target` to the farthest depth and draws what is opaque or alpha-tested: view `i` of the set into layer
-    /// `i` of the target. All views in one pass where the device can.
+    /// `i` of the target, no more than their regions ([`ViewSet::cropped`]). All views in one pass where the device can.
     pub fn record_depth<'f>(
         &'f self,
         graph: &mut Graph<'f>,
@@ -59,16 +60,19 @@ impl GpuScene {
         faces: Faces,
     ) -> ImageHandle {
         let expansion = Expansion::of(graph.caps(), views.views().len());
-        let frusta = views.frusta();
-        let batch = |view, frusta: &[Frustum]| Batch {
+        let (frusta, regions) = (views.frusta(), views.regions());
+        let batch = |view, region, frusta: &[Frustum]| Batch {
             view,
+            region,
             draws: [DrawClass::Opaque, DrawClass::Masked].map(|class| self.draws.visible(class, frusta)),
         };
+        let one_each = frusta.iter().zip(regions).enumerate();
         let one_each =
-            frusta.iter().enumerate().map(|(i, frustum)| batch(Some(i as u32), std::slice::from_ref(frustum)));
+            one_each.map(|(i, (frustum, &region))| batch(Some(i as u32), region, std::slice::from_ref(frustum)));
         match expansion {
             Expansion::Multiview => {
-                let all = vec![batch(None, &frusta)];
+                let around = regions[1..].iter().copied().fold(regions[0], Region::union);
+                let all = vec![batch(None, around, &frusta)];
                 self.depth_pass(graph, name.into(), expansion, views, all, target, faces)
             }
             Expansion::Layered => {
@@ -118,6 +122,7 @@ impl GpuScene {
         let next = pass.depth(target, Load::Clear(depth::CLEAR));
         pass.draw(move |recorder| {
             for batch in &batches {
+                recorder.scissor(batch.region.offset, batch.region.size);
                 for (program, draws) in batch.draws.iter().enumerate().filter(|(_, draws)| !draws.is_empty()) {
                     recorder.program(program);
                     if let Some(view) = batch.view {

@@ -23,7 +23,7 @@ pub use light_buffer::{LightShadow, MAX_LIGHTS, light_block};
 pub use material::{AlphaMode, Filter, Material, Texture, TextureSlot, Wrap};
 pub use mesh::{Mesh, Object, Primitive};
 pub use upload::GpuScene;
-pub use view_set::{MAX_VIEWS, ViewSet};
+pub use view_set::{MAX_VIEWS, Region, ViewSet};
 
 /// A scene in host memory.
 ///

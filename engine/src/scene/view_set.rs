@@ -14,6 +14,31 @@ pub const MAX_VIEWS: usize = 8;
 #[derive(Clone, Debug)]
 pub struct ViewSet {
     views: Vec<View>,
+    /// By view, what of its picture is drawn.
+    regions: Vec<Region>,
+}
+
+/// A rectangle of pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Region {
+    /// The first one, from the upper left.
+    pub offset: [u32; 2],
+    /// Width and height.
+    pub size: [u32; 2],
+}
+
+impl Region {
+    /// All of a picture.
+    pub fn whole(size: [u32; 2]) -> Self {
+        Self { offset: [0; 2], size }
+    }
+
+    /// The smallest around two.
+    pub fn union(self, other: Self) -> Self {
+        let offset = [0, 1].map(|axis| self.offset[axis].min(other.offset[axis]));
+        let end = |region: &Self, axis: usize| region.offset[axis] + region.size[axis];
+        Self { offset, size: [0, 1].map(|axis| end(&self, axis).max(end(&other, axis)) - offset[axis]) }
+    }
 }
 
 impl ViewSet {
@@ -23,7 +48,7 @@ impl ViewSet {
     /// [`Error::Invalid`] where there is none, or more than [`MAX_VIEWS`].
     pub fn new(views: Vec<View>) -> Result<Self> {
         match views.len() {
-            1..=MAX_VIEWS => Ok(Self { views }),
+            1..=MAX_VIEWS => Ok(Self { regions: views.iter().map(|view| Region::whole(view.size)).collect(), views }),
             count => Err(Error::invalid("a set of views", format!("has {count} of them; 1 to {MAX_VIEWS} can be"))),
         }
     }
@@ -33,9 +58,20 @@ impl ViewSet {
         &self.views
     }
 
-    /// What each view sees.
+    /// Draws no more than these pixels, view by view.
+    pub fn cropped(mut self, regions: impl IntoIterator<Item = Region>) -> Self {
+        self.regions.iter_mut().zip(regions).for_each(|(region, cropped)| *region = cropped);
+        self
+    }
+
+    /// By view, what of its picture is drawn.
+    pub fn regions(&self) -> &[Region] {
+        &self.regions
+    }
+
+    /// What each view sees of what is drawn.
     pub fn frusta(&self) -> Vec<Frustum> {
-        self.views.iter().map(|view| Frustum::new(&view.clip_from_world())).collect()
+        self.views.iter().zip(&self.regions).map(|(view, region)| view.frustum(*region)).collect()
     }
 
     /// The set as `common/views.glsl` reads it.
@@ -50,7 +86,7 @@ impl ViewSet {
 
 impl From<View> for ViewSet {
     fn from(view: View) -> Self {
-        Self { views: vec![view] }
+        Self { regions: vec![Region::whole(view.size)], views: vec![view] }
     }
 }
 
@@ -100,6 +136,18 @@ impl View {
         let in_view = bounds.transformed(self.view_from_world);
         let near = self.near().max(1e-6).max(-in_view.max.z);
         [near, (-in_view.min.z).max(near * 1.001)]
+    }
+
+    /// What is seen through a part of the picture.
+    fn frustum(&self, Region { offset, size }: Region) -> Frustum {
+        // From the region's part of clip space to all of it.
+        let axis = |axis: usize| {
+            let [whole, offset, size] = [self.size[axis], offset[axis], size[axis].max(1)].map(|pixels| pixels as f32);
+            (whole / size, (whole - 2.0 * offset - size) / size)
+        };
+        let ((x, x_offset), (y, y_offset)) = (axis(0), axis(1));
+        let crop = Mat4::from_cols(Vec4::X * x, Vec4::Y * y, Vec4::Z, Vec4::new(x_offset, y_offset, 0.0, 1.0));
+        Frustum::new(&(crop * self.clip_from_world()))
     }
 
     /// Whether lines of sight are parallel.

@@ -4,7 +4,7 @@
 use glam::{Mat4, Vec3};
 
 use crate::geometry::Aabb;
-use crate::scene::View;
+use crate::scene::{Region, View};
 
 /// One cascade.
 #[derive(Clone, Copy, Debug)]
@@ -15,6 +15,8 @@ pub struct Fit {
     pub texel: f32,
     /// Start and end along the camera's axis, metres.
     pub distances: [f32; 2],
+    /// Texels that may be looked at: what else the map has is not drawn.
+    pub region: Region,
 }
 
 /// Fits a map of `resolution`² texels around the part of a camera's frustum between two distances, with `border`
@@ -36,7 +38,35 @@ pub fn fit(camera: &View, distances: [f32; 2], direction: Vec3, scene: &Aabb, re
     let [near, far] = depth_range(scene, &light.view_from_world, snapped.z);
     let slack = 1e-3 * (far - near).max(radius);
     let view = View::parallel(center, direction, width, slack - near, far + slack, [resolution; 2]);
-    Fit { view, texel, distances }
+    let region = Region::whole([resolution; 2]);
+    Fit { view, texel, distances, region }
+}
+
+impl Fit {
+    /// Draws no more than what surfaces between these distances from the camera look at, within so many texels around
+    /// them.
+    pub(super) fn crop(&mut self, camera: &View, distances: [f32; 2], scene: &Aabb, around: f32) {
+        let slice = distances.into_iter().flat_map(|distance| {
+            let corner = camera.corner(distance);
+            [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]]
+                .map(|[x, y]| camera.world_from_view.transform_point3(corner * Vec3::new(x, y, 1.0)))
+        });
+        let slice: Vec<Vec3> = slice.collect();
+        let texels = |points: &[Vec3]| {
+            let size = self.view.size[0] as f32;
+            let clip = self.view.clip_from_world();
+            Aabb::around(points.iter().map(|&point| (clip.project_point3(point) * 0.5 + 0.5) * size))
+        };
+        let Some(slice_box) = Aabb::around(slice.iter().copied()) else { return };
+        let inside = Aabb { min: slice_box.min.max(scene.min), max: slice_box.max.min(scene.max) };
+        let (Some(seen), Some(filled)) = (texels(&slice), texels(&inside.corners())) else { return };
+        let first = seen.min.max(filled.min) - around;
+        let end = seen.max.min(filled.max) + around;
+        let clamped = |value: f32, axis: usize| value.clamp(0.0, self.view.size[axis] as f32);
+        let offset = [clamped(first.x.floor(), 0) as u32, clamped(first.y.floor(), 1) as u32];
+        let end = [clamped(end.x.ceil(), 0) as u32, clamped(end.y.ceil(), 1) as u32];
+        self.region = Region { offset, size: [0, 1].map(|axis| end[axis].saturating_sub(offset[axis])) };
+    }
 }
 
 /// Smallest sphere around a frustum slice, in view space.

@@ -85,6 +85,7 @@ impl Cascaded {
             ImageShape::new_2d(vk::Format::D32_SFLOAT, [self.resolution; 2]).layers(fits.len() as u32),
         );
         let views = ViewSet::new(fits.iter().map(|fit| fit.view).collect())?;
+        let views = views.cropped(fits.iter().map(|fit| fit.region));
         let map = scene.record_depth(graph, "shadow.cascaded.map", &views, map, Faces::Both);
 
         let index_shape = ImageShape::new_2d(vk::Format::R32_SFLOAT, receivers.view.size);
@@ -111,11 +112,24 @@ impl Cascaded {
         // A near plane at the lens would spend whole cascades on the first centimetres.
         let ends = split_distances(self.splits, self.cascades.clamp(1, MAX_CASCADES), near.max(1e-3 * far), far);
         let border = 0.5 * self.filter.taps() as f32 + 2.0;
-        let starts = std::iter::once(near).chain(ends.iter().copied());
-        starts
-            .zip(&ends)
-            .map(|(start, &end)| fit(view, [start, end], direction, scene, self.resolution, border))
-            .collect()
+        // How far off a point is looked up: lifted along its normal, in a filter's outermost texel.
+        let taps = self.filter.taps() as f32;
+        let around = 2f32.sqrt() * (0.5 * taps + 0.5) + 0.5 * taps + 2.0;
+        let mut start = near;
+        // Where the cascade before begins to fade.
+        let mut from = near;
+        let fits = ends.into_iter().map(|end| {
+            let mut fit = fit(view, [start, end], direction, scene, self.resolution, border);
+            fit.crop(view, [from, end], scene, around);
+            (start, from) = (end, self.fades_from([start, end]));
+            fit
+        });
+        fits.collect()
+    }
+
+    /// Distance from which the next cascade is blended in.
+    fn fades_from(&self, [start, end]: [f32; 2]) -> f32 {
+        end - (end - start) * self.fade.clamp(0.0, 1.0)
     }
 
     /// The cascades differ by scale and offset alone: their views are all turned the same way.
@@ -123,15 +137,14 @@ impl Cascaded {
         let none = blocks::Cascade { end: f32::INFINITY, ..bytemuck::Zeroable::zeroed() };
         let mut cascades = [none; MAX_CASCADES as usize];
         for (cascade, fit) in cascades.iter_mut().zip(fits) {
-            let [start, end] = fit.distances;
             let view_from_light = fit.view.view_from_world.w_axis.truncate();
             let clip = &fit.view.clip_from_view;
             // From clip space, −1 to 1, to texture coordinates, 0 to 1; depth stays.
             let half = Vec3::new(0.5, 0.5, 1.0);
             let scale = Vec3::new(clip.x_axis.x, clip.y_axis.y, clip.z_axis.z) * half;
             let offset = clip.w_axis.truncate() * half + Vec3::new(0.5, 0.5, 0.0) + scale * view_from_light;
-            let fade = end - (end - start) * self.fade.clamp(0.0, 1.0);
-            *cascade = blocks::Cascade { scale, offset, texel: fit.texel, end, fade };
+            let fade = self.fades_from(fit.distances);
+            *cascade = blocks::Cascade { scale, offset, texel: fit.texel, end: fit.distances[1], fade };
         }
         let turned = fits.first().map_or(Mat3::IDENTITY, |fit| Mat3::from_mat4(fit.view.view_from_world)).transpose();
         blocks::Cascades {
