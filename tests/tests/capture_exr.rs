@@ -212,6 +212,35 @@ fn the_same_capture_gives_the_same_bytes() {
 }
 
 #[test]
+fn parts_packed_ahead_give_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let plain = sample_capture();
+    for compression in Compression::ALL {
+        let wanted = fs::read(write(&plain, compression, folder.path())).unwrap();
+        // None, one, all chunks of each part; and all, for another compression.
+        for (packed_for, most) in [(compression, 0), (compression, 1), (compression, 99), (Compression::Rle, 99)] {
+            let mut capture = plain.clone();
+            for part in &mut capture.parts {
+                let left = std::cell::Cell::new(most);
+                part.pack(packed_for, || left.replace(left.get() - 1) > 0).unwrap();
+            }
+            let found = fs::read(write(&capture, compression, folder.path())).unwrap();
+            assert_eq!(found, wanted, "{compression:?}, {most} chunks packed as {packed_for:?}");
+        }
+        // What was packed is what is written.
+        let mut changed = plain.clone();
+        changed.parts[1].pack(compression, || true).unwrap();
+        let channel = &mut changed.parts[1].channels[0];
+        let Samples::F32(values) = channel.content.clone().into_samples().unwrap() else { panic!() };
+        *channel = Channel::new(channel.name.clone(), Samples::F32(vec![7.0; values.len()]));
+        assert_eq!(fs::read(write(&changed, compression, folder.path())).unwrap(), wanted);
+    }
+    let mut empty = Part { name: "empty".into(), size: [4, 4], ..Part::default() };
+    let said = empty.pack(Compression::Zip, || true).unwrap_err().to_string();
+    assert!(said.contains("it has no channels"), "{said}");
+}
+
+#[test]
 fn attributes_stand_in_the_order_given() {
     let folder = tempfile::tempdir().unwrap();
     let mut capture = sample_capture();

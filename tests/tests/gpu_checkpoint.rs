@@ -268,6 +268,68 @@ fn a_history_is_written_on_both_sides_of_a_checkpoint() {
     });
 }
 
+/// Workgroups that the host has read are not asked of the device: a dispatch of none goes, and no pipeline is made for it.
+#[test]
+fn dispatches_of_none_go_once_the_host_knows() {
+    isolated_device("dispatches_of_none_go_once_the_host_knows", |gpu| {
+        static SET: [Binding; 1] = [binding(0, "groups", STORAGE, ShaderAccess::ReadWrite)];
+        let set = compute(
+            "set.comp",
+            "#version 460
+            layout(local_size_x = 64) in;
+            layout(set = 0, binding = 0, std430) buffer Groups { uint groups[6]; };
+            void main() {
+                uint i = gl_LocalInvocationIndex;
+                if (i < 6) groups[i] += uint[](3, 2, 1, 0, 1, 1)[i];
+            }",
+            &SET,
+        );
+        static ADD: [Binding; 1] = [binding(0, "sum", STORAGE, ShaderAccess::ReadWrite)];
+        let add = compute(
+            "add.comp",
+            "#version 460
+            layout(local_size_x = 64) in;
+            layout(set = 0, binding = 0, std430) buffer Sum { uint sum; };
+            void main() { if (gl_LocalInvocationIndex == 0) atomicAdd(sum, 1); }",
+            &ADD,
+        );
+        // No device makes a pipeline of it.
+        let refused: &'static Shader = Box::leak(Box::new(Shader { workgroup: [1 << 20, 1, 1], ..*add }));
+        // By what the second dispatch does: `offset` of its workgroups.
+        let frame = |offset: u64| -> shadowgraph::Result<Vec<u32>> {
+            let mut executor = Executor::new(gpu);
+            let mut graph = executor.graph("frame");
+            let groups = graph.buffer("groups", 24);
+            let groups = graph.fill("no groups", groups, 0);
+            let mut pass = graph.compute("set", set);
+            let groups = pass.write(StorageSlot::<[u32; 6], ReadWrite>::new(SET[0], set), groups);
+            pass.dispatch([6, 1, 1]);
+            let _known = graph.checkpoint::<u32>("groups", &groups);
+            let sum = graph.buffer("sum", 4);
+            let mut sum = graph.fill("no sum", sum, 0);
+            for (name, shader, offset) in [("first", add, 0), ("second", refused, offset)] {
+                let mut pass = graph.compute(name, shader);
+                sum = pass.write(StorageSlot::<u32, ReadWrite>::new(ADD[0], shader), sum);
+                pass.dispatch_indirect(&groups, offset);
+            }
+            // What comes to stand there later is the device's to know.
+            let mut pass = graph.compute("set again", set);
+            let groups = pass.write(StorageSlot::<[u32; 6], ReadWrite>::new(SET[0], set), groups);
+            pass.dispatch([6, 1, 1]);
+            let mut pass = graph.compute("third", add);
+            let sum = pass.write(StorageSlot::<u32, ReadWrite>::new(ADD[0], add), sum);
+            pass.dispatch_indirect(&groups, 0);
+            graph.capture("sum", &sum);
+            let plan = graph.compile(gpu).unwrap();
+            let executed = executor.execute(&plan, graph)?;
+            executed.capture("sum")?.texels::<u32>()
+        };
+        assert_eq!(frame(12).unwrap(), [3 * 2 + 6 * 4 * 2]);
+        let said = frame(0).unwrap_err().to_string();
+        assert!(said.contains("1048576 invocations"), "{said}");
+    });
+}
+
 #[test]
 fn a_checkpoint_that_fails_says_so() {
     isolated_device("a_checkpoint_that_fails_says_so", |gpu| {

@@ -6,7 +6,7 @@ use super::png::BLOCK;
 use super::{Capture, Channel, Content, HalfReport, Metadata, Part, SampleKind, Samples, Texels};
 use crate::frame::{Frame, Layer, Samples as Stored, Source};
 use crate::gpu::Caps;
-use crate::graph::Executed;
+use crate::graph::{self, Executed};
 use crate::parallel;
 use crate::scene::{Camera, Scene, View};
 use crate::{Error, Result};
@@ -53,7 +53,8 @@ impl<S: Serialize + Sync> FrameCapture<'_, S> {
         // 1. Take the images apart on all cores, each once, though several layers may lie in one.
         let images = images(frame);
         let fault = |index: usize| Error::invalid(format!("capture `{}`", images[index].0.capture), "cannot be read");
-        let read = parallel::map(images.len(), |index| self.image(&images[index], executed), fault)?;
+        let image = |index: usize| self.image(&images[index], executed.capture(&images[index].0.capture)?);
+        let read = parallel::map(images.len(), image, fault)?;
         let mut parts = vec![Part { name: "frame".into(), size: self.view.size, ..Part::default() }];
         let mut lost = Vec::new();
         for image in read {
@@ -68,9 +69,23 @@ impl<S: Serialize + Sync> FrameCapture<'_, S> {
         Ok(CapturedFrame { capture: Capture { parts, metadata }, lost })
     }
 
+    /// Parts of their own ([`FrameCapture::collect`]) whose images are among these, which a frame left before its end
+    /// ([`crate::graph::Executor::execute_with`]).
+    ///
+    /// # Errors
+    /// As `collect`.
+    pub fn parts_of(&self, frame: &Frame, captures: &[graph::Capture]) -> Result<Vec<Part>> {
+        let mut parts = Vec::new();
+        for image in images(frame).iter().filter(|(_, layers)| layers.iter().all(|layer| layer.own_part)) {
+            if let Some(capture) = captures.iter().find(|capture| capture.name == image.0.capture) {
+                parts.extend(self.image(image, capture)?.parts);
+            }
+        }
+        Ok(parts)
+    }
+
     /// Layers of one image.
-    fn image(&self, (source, layers): &(&Source, Vec<&Layer>), executed: &Executed) -> Result<Image> {
-        let capture = executed.capture(&source.capture)?;
+    fn image(&self, (source, layers): &(&Source, Vec<&Layer>), capture: &graph::Capture) -> Result<Image> {
         let mut image = Image::default();
         for layer in layers {
             let mut channels = Vec::with_capacity(layer.channels.len());

@@ -20,7 +20,7 @@ mod voxels;
 pub use atomic::write_atomically;
 pub use content::{Content, SampleKind, Texels};
 pub use deep::{DeepPicture, DeepSample};
-pub use exr::{Compression, ExrOptions, write_deep_exr, write_exr};
+pub use exr::{Compression, ExrOptions, Packed, write_deep_exr, write_exr};
 pub use frame::{CapturedFrame, FrameCapture, picture};
 pub use half_float::{HalfReport, to_half};
 pub use metadata::{Metadata, Value};

@@ -3,7 +3,7 @@
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 
-use super::{Content, HalfReport, Metadata, SampleKind, to_half};
+use super::{Content, HalfReport, Metadata, Packed, SampleKind, to_half};
 
 /// Everything one file holds.
 #[derive(Clone, Debug, Default)]
@@ -25,6 +25,8 @@ pub struct Part {
     pub channels: Vec<Channel>,
     /// Facts about this part alone.
     pub metadata: Metadata,
+    /// Its pixels as they are, compressed ahead ([`Part::pack`]).
+    pub packed: Option<Packed>,
 }
 
 /// One value a pixel.

@@ -2,12 +2,14 @@
 
 use std::fs;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Instant;
 
 use serde::Serialize;
 use shadowgraph::capture::{
-    CapturedFrame, ExrOptions, FrameCapture, PngOptions, auto_exposure, picture, write_deep_exr, write_exr, write_png,
+    CapturedFrame, Compression, ExrOptions, FrameCapture, Part, PngOptions, auto_exposure, picture, write_deep_exr,
+    write_exr, write_png,
 };
 use shadowgraph::frame::{Frame, Selection};
 use shadowgraph::gpu::Gpu;
@@ -84,19 +86,6 @@ fn render_and_write(
     let mut executor = Executor::new(gpu);
     executor.serialize(arguments.debug.serialize);
     let change = |graph: &mut Graph| debug::prepare(&arguments.debug, graph);
-    let once = || session::render(&mut executor, gpu, scene, &settings, change);
-    let (mut frame, executed) =
-        if arguments.phases { render_twice(once, phases)? } else { phases.time("rendering", once)? };
-    for warning in &frame.warnings {
-        log::warn!("{}: {warning}", arguments.frame.scene);
-    }
-    // 2. Write the PNG, and meanwhile the rest.
-    let size = arguments.frame.size.0;
-    let pixels = match &arguments.png {
-        Some(_) => phases.time("read-back", || picture(&frame, &executed))?,
-        None => Vec::new(),
-    };
-    frame.layers.retain(|layer| wanted.layers.wants(&layer.name));
     let recipe = Recipe::new(&arguments.frame, camera, &wanted);
     let description = FrameCapture {
         scene,
@@ -108,9 +97,40 @@ fn render_and_write(
         exposure: 1.0,
         reproducible: arguments.reproducible,
     };
+    // What is there before the frame's end is compressed meanwhile: a core may idle there.
+    let ended = AtomicBool::new(false);
+    let (rendered, packed) = thread::scope(|scope| {
+        let mut packing = None;
+        let mut render = |last: bool| {
+            session::render(&mut executor, gpu, scene, &settings, change, |frame, captures| {
+                let parts = description.parts_of(frame, captures);
+                if last && arguments.output.is_some() {
+                    packing = Some(scope.spawn(|| pack(parts?, arguments.compression, &ended)));
+                }
+            })
+        };
+        let rendered = match arguments.phases {
+            true => render_twice(render, phases),
+            false => phases.time("rendering", || render(true)),
+        };
+        ended.store(true, Ordering::Relaxed);
+        (rendered, packing.map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))))
+    });
+    let (mut frame, executed) = rendered?;
+    let packed = packed.transpose()?.unwrap_or_default();
+    for warning in &frame.warnings {
+        log::warn!("{}: {warning}", arguments.frame.scene);
+    }
+    // 2. Write the PNG, and meanwhile the rest.
+    let size = arguments.frame.size.0;
+    let pixels = match &arguments.png {
+        Some(_) => phases.time("read-back", || picture(&frame, &executed))?,
+        None => Vec::new(),
+    };
+    frame.layers.retain(|layer| wanted.layers.wants(&layer.name));
     let (mut told, png) = thread::scope(|scope| {
         let png = arguments.png.as_ref().map(|path| scope.spawn(|| write_picture(path, size, &pixels)));
-        let told = write_layers(arguments, &description, &frame, &executed, phases);
+        let told = write_layers(arguments, &description, (&frame, &executed, packed), phases);
         let png = png.map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
         (told, png.transpose())
     });
@@ -119,6 +139,14 @@ fn render_and_write(
         told.push(format!("wrote {}", path.display()));
     }
     told
+}
+
+/// Compresses parts until the frame has ended; those that are written then have all cores.
+fn pack(mut parts: Vec<Part>, compression: Compression, ended: &AtomicBool) -> shadowgraph::Result<Vec<Part>> {
+    for part in &mut parts {
+        part.pack(compression, || !ended.load(Ordering::Relaxed))?;
+    }
+    Ok(parts)
 }
 
 fn write_picture(path: &Path, size: [u32; 2], pixels: &[[f32; 4]]) -> Result<()> {
@@ -130,13 +158,17 @@ fn write_picture(path: &Path, size: [u32; 2], pixels: &[[f32; 4]]) -> Result<()>
 fn write_layers<S: Serialize + Sync>(
     arguments: &CaptureArguments,
     description: &FrameCapture<S>,
-    frame: &Frame,
-    executed: &Executed,
+    (frame, executed, packed): (&Frame, &Executed, Vec<Part>),
     phases: &mut Phases,
 ) -> Result<Vec<String>> {
     let mut told = Vec::new();
     if let Some(path) = &arguments.output {
-        let captured = phases.time("read-back", || description.collect(frame, executed))?;
+        let mut captured = phases.time("read-back", || description.collect(frame, executed))?;
+        for early in packed {
+            if let Some(part) = captured.capture.parts.iter_mut().find(|part| part.name == early.name) {
+                part.packed = early.packed;
+            }
+        }
         phases.time("writing", || {
             write_exr(path, &captured.capture, &ExrOptions { compression: arguments.compression })
         })?;
@@ -155,13 +187,14 @@ fn write_layers<S: Serialize + Sync>(
 }
 
 /// The driver compiles shaders at their first draw: what the first frame takes more than the second.
-fn render_twice<T>(mut render: impl FnMut() -> Result<T>, phases: &mut Phases) -> Result<T> {
-    let mut timed = || {
+/// `render`: whether it is the last time.
+fn render_twice<T>(mut render: impl FnMut(bool) -> Result<T>, phases: &mut Phases) -> Result<T> {
+    let mut timed = |last| {
         let began = Instant::now();
-        render().map(|rendered| (began.elapsed(), rendered))
+        render(last).map(|rendered| (began.elapsed(), rendered))
     };
-    let (first, _) = timed()?;
-    let (second, rendered) = timed()?;
+    let (first, _) = timed(false)?;
+    let (second, rendered) = timed(true)?;
     phases.add("first-draw compilation", first.saturating_sub(second));
     phases.add("rendering", second);
     Ok(rendered)

@@ -75,7 +75,7 @@ fn show(arguments: &GraphArguments, gpu: &Gpu, scene: &GpuScene, settings: &Fram
 /// The last of some frames in a row: in the first one drivers compile.
 fn run_frames(gpu: &Gpu, scene: &GpuScene, settings: &FrameSettings, count: usize) -> Result<Executed> {
     let mut executor = Executor::new(gpu);
-    let mut frame = || session::render(&mut executor, gpu, scene, settings, |_| Ok(()));
+    let mut frame = || session::render(&mut executor, gpu, scene, settings, |_| Ok(()), |_, _| {});
     for _ in 1..count {
         frame()?;
     }

@@ -4,7 +4,7 @@ use serde::Serialize;
 use shadowgraph::Error;
 use shadowgraph::frame::{ABUFFER_REPORT, Frame, FrameSettings, Selection, VoxelVisibility};
 use shadowgraph::gpu::{Gpu, GpuOptions, Messages, Severity, Validation};
-use shadowgraph::graph::{Executed, Executor, Graph};
+use shadowgraph::graph::{Capture, Executed, Executor, Graph};
 use shadowgraph::scene::{Camera, GpuScene, Scene};
 use shadowgraph::shader::generated::blocks::ABufferReport;
 use shadowgraph::techniques::shadow::deep::DeepShadow;
@@ -121,22 +121,26 @@ pub fn record<'f>(settings: &FrameSettings, graph: &mut Graph<'f>, scene: &'f Gp
     Ok(frame)
 }
 
-/// Records a frame, lets `change` look into it, and runs it.
+/// Records a frame, lets `change` look into it, and runs it. `left`: [`Executor::execute_with`].
 pub fn render(
     executor: &mut Executor,
     gpu: &Gpu,
     scene: &GpuScene,
     settings: &FrameSettings,
     change: impl FnOnce(&mut Graph) -> Result<()>,
+    mut left: impl FnMut(&Frame, &[Capture]),
 ) -> Result<(Frame, Executed)> {
     let mut graph = Graph::new("frame", gpu.caps());
     let frame = record(settings, &mut graph, scene)?;
     change(&mut graph)?;
     let plan = graph.compile(gpu).map_err(Error::from)?;
-    let executed = executor.execute(&plan, graph).map_err(|error| match error {
-        Error::OutOfMemory { .. } => Failure::failed(format!("{error}; fewer --layers or a smaller --size need less")),
-        other => other.into(),
-    })?;
+    let executed =
+        executor.execute_with(&plan, graph, &mut |captures| left(&frame, captures)).map_err(|error| match error {
+            Error::OutOfMemory { .. } => {
+                Failure::failed(format!("{error}; fewer --layers or a smaller --size need less"))
+            }
+            other => other.into(),
+        })?;
     check_layers(&executed)?;
     Ok((frame, executed))
 }

@@ -8,7 +8,8 @@ use std::thread;
 
 use super::Compression;
 use super::codec::Codec;
-use crate::capture::Capture;
+use super::header;
+use crate::capture::{Capture, Part};
 use crate::{Error, Result};
 
 /// Work of one go: a few neighbouring chunks of one part.
@@ -24,6 +25,41 @@ pub(super) struct Block {
 pub(super) struct Encoded {
     pub(super) bytes: Vec<u8>,
     pub(super) chunk_sizes: Vec<usize>,
+}
+
+/// Pixels of a part as they will stand in a file.
+#[derive(Clone, Debug)]
+pub struct Packed {
+    compression: Compression,
+    /// Without their headers; the first ones.
+    chunks: Vec<Vec<u8>>,
+}
+
+impl Part {
+    /// Compresses its pixels into [`Part::packed`] on this thread, for as long as `go_on` says: [`super::write_exr`] need not,
+    /// with the same compression. For parts that are there before the others.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for what `write_exr` refuses of a part; [`Error::Vulkan`] where memory cannot be read.
+    pub fn pack(&mut self, compression: Compression, go_on: impl Fn() -> bool) -> Result<()> {
+        header::check_part(self)?;
+        let mut codec = Codec::new(self, compression);
+        let (height, step) = (self.size[1] as usize, compression.lines());
+        let pack = |first: usize| {
+            let mut chunk = Vec::new();
+            codec.append([first, height.min(first + step)], &mut chunk).map(|()| chunk)
+        };
+        let chunks = (0..height).step_by(step).take_while(|_| go_on()).map(pack).collect::<io::Result<_>>();
+        let chunks = chunks.map_err(|error| Error::invalid(format!("part {:?}", self.name), error.to_string()))?;
+        self.packed = Some(Packed { compression, chunks });
+        Ok(())
+    }
+
+    /// A chunk that was packed so.
+    fn packed_chunk(&self, compression: Compression, index: usize) -> Option<&[u8]> {
+        let packed = self.packed.as_ref().filter(|packed| packed.compression == compression)?;
+        packed.chunks.get(index).map(Vec::as_slice)
+    }
 }
 
 /// All chunks of the file in its order, in blocks of about 16 scan lines.
@@ -119,7 +155,10 @@ impl Worker<'_> {
             encoded.bytes.extend_from_slice(&(first as i32).to_le_bytes());
             let size_at = encoded.bytes.len();
             encoded.bytes.extend_from_slice(&[0; 4]);
-            codec.append([first, end], &mut encoded.bytes)?;
+            match part.packed_chunk(self.compression, first / self.compression.lines()) {
+                Some(packed) => encoded.bytes.extend_from_slice(packed),
+                None => codec.append([first, end], &mut encoded.bytes)?,
+            }
             let size = (encoded.bytes.len() - size_at - 4) as i32;
             encoded.bytes[size_at..size_at + 4].copy_from_slice(&size.to_le_bytes());
             encoded.chunk_sizes.push(encoded.bytes.len() - start);

@@ -51,7 +51,7 @@ pub(super) fn check(capture: &Capture) -> Result<()> {
     Ok(())
 }
 
-fn check_part(part: &Part) -> Result<()> {
+pub(super) fn check_part(part: &Part) -> Result<()> {
     let what = || format!("part {:?}", part.name);
     let [width, height] = part.size;
     if width == 0 || height == 0 || width > i32::MAX as u32 || height > i32::MAX as u32 {

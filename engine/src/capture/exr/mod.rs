@@ -9,6 +9,7 @@ mod codec;
 mod deep;
 mod header;
 
+pub use blocks::Packed;
 pub use deep::write_deep_exr;
 
 use std::io::{self, Seek, SeekFrom, Write};

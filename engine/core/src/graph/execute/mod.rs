@@ -172,6 +172,15 @@ impl<'g> Executor<'g> {
     /// [`Error::DeviceLost`] naming the last pass that began; what a pass's closure returns; [`Error::Invalid`] for the
     /// plan of another graph, and for imports that were not made for what passes do to them.
     pub fn execute(&mut self, plan: &Plan, graph: Graph) -> Result<Executed> {
+        self.execute_with(plan, graph, &mut |_| {})
+    }
+
+    /// As [`Executor::execute`]. `left` sees what each segment of the frame but the last has left, as soon as the host has it:
+    /// the next one waits until it returns, and runs while threads that it starts go on.
+    ///
+    /// # Errors
+    /// As [`Executor::execute`].
+    pub fn execute_with(&mut self, plan: &Plan, graph: Graph, left: &mut dyn FnMut(&[Capture])) -> Result<Executed> {
         check(self.gpu, plan, &graph)?;
         self.transients.begin_frame();
         self.descriptors.iter_mut().for_each(DescriptorCache::begin_frame);
@@ -188,7 +197,7 @@ impl<'g> Executor<'g> {
             self.arena = frame.arena;
             return Ok(ran.into());
         }
-        let executed = self.execute_segments(description, plan, &mut frame, later, histories)?;
+        let executed = self.execute_segments(description, plan, &mut frame, (later, histories), left)?;
         self.arena = frame.arena;
         Ok(executed)
     }

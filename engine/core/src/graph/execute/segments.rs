@@ -24,8 +24,8 @@ impl Executor<'_> {
         mut whole: Description,
         plan: &Plan,
         frame: &mut Frame,
-        mut later: Vec<Later>,
-        mut histories: Vec<Declared>,
+        (mut later, mut histories): (Vec<Later>, Vec<Declared>),
+        left: &mut dyn FnMut(&[Capture]),
     ) -> Result<Executed> {
         let mut captures: Vec<Option<Capture>> = whole.roots.iter().map(|_| None).collect();
         let mut executed = Executed::default();
@@ -52,6 +52,11 @@ impl Executor<'_> {
             executed.counts.extend(counts);
             executed.recording += recording;
             executed.running += running;
+            if index < whole.checkpoints.len() {
+                let asked_for = |root: &usize| whole.checkpoints.iter().all(|at| at.root != Some(*root));
+                let here = planned.roots.iter().zip(&read).filter(|(root, _)| asked_for(root));
+                left(&here.filter_map(|(_, capture)| capture.clone()).collect::<Vec<_>>());
+            }
             planned.roots.iter().zip(read).for_each(|(&root, capture)| captures[root] = capture);
 
             // 3. Read what the checkpoint asks for: sizes and bytes follow from it.

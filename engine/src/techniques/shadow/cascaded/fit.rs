@@ -92,3 +92,49 @@ fn depth_range(scene: &Aabb, view_from_world: &Mat4, z: f32) -> [f32; 2] {
     let bounds = scene.transformed(*view_from_world);
     [z - bounds.max.z, z - bounds.min.z]
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::scene::Camera;
+
+    fn vector(most: f32) -> impl Strategy<Value = Vec3> {
+        prop::array::uniform3(-most..most).prop_map(Vec3::from)
+    }
+
+    proptest! {
+        #[test]
+        fn what_a_surface_in_view_looks_at_is_drawn(
+            eye in vector(10.0),
+            towards in vector(1.0).prop_filter("a direction", |way| way.length() > 0.1 && way.y.abs() < 0.9 * way.length()),
+            light in vector(1.0).prop_filter("a direction", |way| way.length() > 0.1),
+            fov in 0.2..2.0f32,
+            scene in (vector(10.0), vector(10.0)),
+            distances in (0.1..20.0f32, 1.01..4.0f32, 0.5..1.0f32),
+            places in prop::collection::vec((-1.0..1.0f32, -1.0..1.0f32, 0.0..1.0f32), 64),
+        ) {
+            let camera = Camera::look_at(eye, eye + towards, Vec3::Y, fov, 0.05).view([160, 90]);
+            let scene = Aabb { min: scene.0.min(scene.1), max: scene.0.max(scene.1) };
+            let (start, end) = (distances.0, distances.0 * distances.1);
+            let (from, around) = (start * distances.2, 4.0);
+            let mut fit = fit(&camera, [start, end], light.normalize(), &scene, 512, 2.5);
+            fit.crop(&camera, [from, end], &scene, around);
+            let Region { offset, size } = fit.region;
+            for (x, y, z) in places {
+                let distance = from + (end - from) * z;
+                let point = camera.world_from_view.transform_point3(camera.corner(distance) * Vec3::new(x, y, 1.0));
+                if point.cmplt(scene.min).any() || point.cmpgt(scene.max).any() {
+                    continue;
+                }
+                let texel = (fit.view.clip_from_world().project_point3(point) * 0.5 + 0.5) * 512.0;
+                for axis in [0, 1] {
+                    let (first, end) = (texel[axis] - around + 0.01, texel[axis] + around - 0.01);
+                    prop_assert!(first.max(0.0) >= offset[axis] as f32, "{point}: {first} before {:?}", fit.region);
+                    prop_assert!(end.min(512.0) <= (offset[axis] + size[axis]) as f32, "{point}: {end} after {:?}", fit.region);
+                }
+            }
+        }
+    }
+}
