@@ -83,11 +83,16 @@ fn unpack(packages: &Path, package: &str) -> Result<PathBuf> {
     Ok(folder)
 }
 
+/// What dependencies depend on, with the features that the workspace's tools ask of it too: else most would be compiled
+/// twice. The engine uses none of it itself, so that what it asks for stays tested.
+const SHARED: &str = "num-traits = { version = \"0.2\", features = [\"libm\"] }\nlibm = \"0.2\"\n\n\
+    [build-dependencies]\nsyn = { version = \"3\", features = [\"full\"] }\n";
+
 /// Cargo would look for the lower floors where packages are published.
 fn manifest(engine: &Path, core: &Path) -> String {
     format!(
         "[package]\nname = \"outside\"\nversion = \"0.0.0\"\nedition = \"2024\"\npublish = false\n\n\
-         [dependencies]\nshadowgraph = {{ path = {engine:?} }}\n\n\
+         [dependencies]\nshadowgraph = {{ path = {engine:?} }}\n{SHARED}\n\
          [patch.crates-io]\nshadowgraph-core = {{ path = {core:?} }}\n\n[workspace]\n"
     )
 }
