@@ -9,7 +9,7 @@
 
 // Deferred shading: every light over the G-buffer, shadows from screen masks.
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64) in;
 
 // Whether a light has a deep shadow map: a software driver would fetch from none for each light.
 layout(constant_id = 0) const bool DEEP_SHADOWS = false;

@@ -3,7 +3,7 @@
 
 // From sorted surfaces to the transmittance after each of them.
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64) in;
 
 layout(set = 0, binding = 5, rgba32f) readonly uniform image2D spans; // first, count, nearest, farthest
 layout(set = 0, binding = 7, rgba32ui) uniform uimage2D steps; // nodes before: depth, key, what is let through

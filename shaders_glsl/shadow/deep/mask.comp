@@ -7,7 +7,7 @@
 #include "common/shadow_map.glsl"
 #include "shadow/deep/visibility.glsl"
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64) in;
 
 layout(set = 0, binding = 4) uniform texture2D depth;
 layout(set = 0, binding = 5) uniform utexture2D ids;

@@ -7,7 +7,7 @@
 
 // What lights reach at each pixel, by a ray a light.
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64) in;
 
 layout(set = 0, binding = 4) uniform texture2D position; // a: distance, infinite in the background
 layout(set = 0, binding = 5) uniform utexture2D ids;

@@ -6,7 +6,7 @@
 
 // World-space position and distance along the view axis, from depth.
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64) in;
 
 layout(set = 0, binding = 4) uniform texture2D depth;
 layout(set = 0, binding = 5) writeonly uniform image2D position; // a: distance, metres
