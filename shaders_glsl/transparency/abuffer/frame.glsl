@@ -6,10 +6,13 @@ layout(set = 0, binding = 21, scalar) uniform ABufferFrame {
     uint used; // 0: these lists came out too short, and others stand in
 } abuffer;
 
-uint pixel_index(uvec2 pixel) {
-    return (pixel.y - abuffer.first_row) * abuffer.size.x + pixel.x;
-}
-
+// Pixels are numbered row by row.
 ivec2 pixel_of(uint index) {
     return ivec2(index % abuffer.size.x, index / abuffer.size.x + abuffer.first_row);
+}
+
+// The pixel of the next number: without a division, which software drivers do lane by lane.
+ivec2 next_pixel(ivec2 pixel) {
+    ivec2 next = pixel + ivec2(1, 0);
+    return mix(next, ivec2(0, next.y + 1), bvec2(next.x == int(abuffer.size.x)));
 }

@@ -32,6 +32,6 @@ void main() {
             }
         }
     }
-    ivec2 at = pixel_of(pixel.index);
+    ivec2 at = pixel_at(pixel);
     imageStore(front, at, vec4(-view_position(0u, vec2(at) + 0.5, depth).z));
 }

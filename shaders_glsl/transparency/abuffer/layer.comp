@@ -20,7 +20,7 @@ void main() {
         return;
     }
     Pixel pixel = work[place];
-    ivec2 at = pixel_of(pixel.index);
+    ivec2 at = pixel_at(pixel);
     uvec4 before = imageLoad(last, at);
     uint node = pixel.first;
     uint left = pixel.count;

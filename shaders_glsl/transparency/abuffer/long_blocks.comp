@@ -23,15 +23,15 @@ void main() {
     }
     uint left = pixel.count - done;
     uint place = pixel.place + done;
-    for (uint i = 0u; i < SLOTS; i++) {
+    [[unroll]] for (uint i = 0u; i < SLOTS; i++) {
         uint node = place + min(i, left - 1u);
         uvec4 texel = LINKED ? imageLoad(flat_nodes, node_texel(node)) : node_at(node);
-        slot_depth[i] = i < left ? int(texel.x) : -1;
+        slot_depth[i] = mix(-1, int(texel.x), i < left);
         slot_key[i] = signed_key(texel.y);
         slot_payload[i] = LINKED ? texel.zw : node_payload(node, texel);
     }
     sort_slots();
-    for (uint i = 0u; i < SLOTS; i++) {
+    [[unroll]] for (uint i = 0u; i < SLOTS; i++) {
         if (i < left) {
             imageStore(sorted, node_texel(place + i), slot_node(i));
         }

@@ -36,7 +36,7 @@ void main() {
     if (clamped) {
         atomicAdd(report.clamped_pixels, 1u);
     }
-    ivec2 at = pixel_of(pixel.index);
+    ivec2 at = pixel_at(pixel);
     check_filled(pixel, at);
     imageStore(color, at, over_opaque(front, imageLoad(color, at)));
 }

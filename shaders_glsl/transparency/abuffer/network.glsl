@@ -2,6 +2,8 @@
 // indexed memory, the same steps for all lanes of a vector. Loops over all slots are unrolled by drivers, after what
 // other formats of nodes need has gone from their bodies: written out here, pipelines take twice as long to make.
 
+#extension GL_EXT_control_flow_attributes : require
+
 layout(constant_id = 5) const uint SLOTS = 16u; // 4, 8 or 16
 
 // Depth and key as signed numbers that sort as they do, and what else is needed of the node. Empty slots lie behind everything.
@@ -10,16 +12,16 @@ int slot_key[16];
 uvec2 slot_payload[16];
 
 #define FRONT_FIRST(i, j) { \
-    bool swap = slot_depth[j] > slot_depth[i] || (slot_depth[j] == slot_depth[i] && slot_key[j] > slot_key[i]); \
     int d = slot_depth[i]; \
     int k = slot_key[i]; \
     uvec2 p = slot_payload[i]; \
-    slot_depth[i] = swap ? slot_depth[j] : d; \
-    slot_key[i] = swap ? slot_key[j] : k; \
-    slot_payload[i] = swap ? slot_payload[j] : p; \
-    slot_depth[j] = swap ? d : slot_depth[j]; \
-    slot_key[j] = swap ? k : slot_key[j]; \
-    slot_payload[j] = swap ? p : slot_payload[j]; \
+    bool swap = mix(slot_depth[j] > d, slot_key[j] > k, slot_depth[j] == d); \
+    slot_depth[i] = mix(d, slot_depth[j], swap); \
+    slot_key[i] = mix(k, slot_key[j], swap); \
+    slot_payload[i] = mix(p, slot_payload[j], bvec2(swap)); \
+    slot_depth[j] = mix(slot_depth[j], d, swap); \
+    slot_key[j] = mix(slot_key[j], k, swap); \
+    slot_payload[j] = mix(slot_payload[j], p, bvec2(swap)); \
 }
 
 #define SORT_4(a) \
@@ -63,12 +65,12 @@ bool short_pixel(uint place, out Pixel pixel) {
 // Loads the nodes of a pixel.
 void load_slots(Pixel pixel) {
     uint node = pixel.first;
-    for (uint i = 0u; i < SLOTS; i++) {
+    [[unroll]] for (uint i = 0u; i < SLOTS; i++) {
         uvec4 texel = node_at(node);
-        slot_depth[i] = i < pixel.count ? int(texel.x) : -1;
+        slot_depth[i] = mix(-1, int(texel.x), i < pixel.count);
         slot_key[i] = signed_key(texel.y);
         slot_payload[i] = node_payload(node, texel);
-        node = i < pixel.count ? node_after(node, texel) : node;
+        node = mix(node, node_after(node, texel), i < pixel.count);
     }
 }
 

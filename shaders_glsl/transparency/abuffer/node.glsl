@@ -33,7 +33,8 @@ layout(constant_id = 3) const uint NODE_FORMAT = NODE_COMPACT;
 layout(constant_id = 4) const float NODE_UNIT = 1.0;
 
 // Texels of a row of the nodes' image.
-const uint NODE_ROW = 4096u;
+const uint NODE_ROW_BITS = 12u;
+const uint NODE_ROW = 1u << NODE_ROW_BITS;
 
 const uint NODE_TEXELS = NODE_FORMAT == NODE_FLOAT || NODE_FORMAT == NODE_FLOAT_TINTED ? 2u : 1u;
 // Whether `next` is beside the node, and part of what it lets through.
@@ -50,7 +51,7 @@ uint tint_word(uint node, bool linked) {
 }
 
 ivec2 node_texel(uint texel) {
-    return ivec2(texel % NODE_ROW, texel / NODE_ROW);
+    return ivec2(texel & (NODE_ROW - 1u), texel >> NODE_ROW_BITS);
 }
 
 // By the first texels of two nodes.
@@ -65,6 +66,7 @@ const uint NO_NODE = 0xffffffffu;
 const float SHARED_EXPONENT_MAX = 65408.0;
 const float HALF_MAX = 65504.0;
 
+// Numbers below 2^31 are converted as signed ones: one instruction.
 uint pack_shared_exponent(vec3 rgb) {
     vec3 c = clamp(rgb, 0.0, SHARED_EXPONENT_MAX);
     float largest = max(max(c.r, c.g), c.b);
@@ -74,17 +76,17 @@ uint pack_shared_exponent(vec3 rgb) {
     bool up = floor(largest * scale + 0.5) == 512.0;
     exponent += up ? 1 : 0;
     scale *= up ? 0.5 : 1.0;
-    uvec3 m = uvec3(c * scale + 0.5);
+    uvec3 m = uvec3(ivec3(c * scale + 0.5));
     return m.r | m.g << 9 | m.b << 18 | uint(exponent + 15) << 27;
 }
 
 vec3 unpack_shared_exponent(uint word) {
     float scale = uintBitsToFloat(((word >> 27) - 15u - 9u + 127u) << 23);
-    return vec3(word & 511u, word >> 9 & 511u, word >> 18 & 511u) * scale;
+    return vec3(ivec3(word, word >> 9, word >> 18) & 511) * scale;
 }
 
 uint pack_alpha(float alpha) {
-    return uint(clamp(alpha, 0.0, 1.0) * 255.0 + 0.5);
+    return uint(int(clamp(alpha, 0.0, 1.0) * 255.0 + 0.5));
 }
 
 // Second word of a node, by which nodes of equal depth are told apart.
@@ -101,24 +103,24 @@ uint node_samples(uint key) {
 }
 
 uint pack_through_10(vec3 through) {
-    uvec3 steps = uvec3(clamp(through, 0.0, 1.0) * 1023.0 + 0.5);
+    uvec3 steps = uvec3(ivec3(clamp(through, 0.0, 1.0) * 1023.0 + 0.5));
     return steps.r | steps.g << 10 | steps.b << 20;
 }
 
 vec3 unpack_through_10(uint word) {
-    return vec3(word & 1023u, word >> 10 & 1023u, word >> 20 & 1023u) * (1.0 / 1023.0);
+    return vec3(ivec3(word, word >> 10, word >> 20) & 1023) * (1.0 / 1023.0);
 }
 
 const uint STEPS_21 = 0x1fffffu;
 
 uvec2 pack_through_21(vec3 through) {
-    uvec3 steps = uvec3(clamp(through, 0.0, 1.0) * float(STEPS_21) + 0.5);
+    uvec3 steps = uvec3(ivec3(clamp(through, 0.0, 1.0) * float(STEPS_21) + 0.5));
     return uvec2(steps.r | steps.g << 21, steps.g >> 11 | steps.b << 10);
 }
 
 vec3 unpack_through_21(uvec2 words) {
     uvec3 steps = uvec3(words.x & STEPS_21, (words.x >> 21 | words.y << 11) & STEPS_21, words.y >> 10 & STEPS_21);
-    return vec3(steps) * (1.0 / float(STEPS_21));
+    return vec3(ivec3(steps)) * (1.0 / float(STEPS_21));
 }
 
 // A texel of a node.
@@ -173,7 +175,7 @@ Layer unpack_node(uvec4 node, uvec4 rest) {
     }
     vec4 color;
     if (NODE_FORMAT == NODE_COMPACT) {
-        color = vec4(unpack_shared_exponent(node.z), float((SAMPLES > 1u ? node.w : node.y) & 255u) * (1.0 / 255.0));
+        color = vec4(unpack_shared_exponent(node.z), float(int((SAMPLES > 1u ? node.w : node.y) & 255u)) * (1.0 / 255.0));
     } else if (NODE_FORMAT == NODE_HALF) {
         color = vec4(unpackHalf2x16(node.z), unpackHalf2x16(node.w));
     } else {

@@ -53,7 +53,7 @@ uvec2 node_payload(uint node, uvec4 texel) {
 bool is_clamped(uvec2 payload) {
     if (NODE_FORMAT == NODE_COMPACT || NODE_FORMAT == NODE_COMPACT_TINTED) {
         uvec3 m = uvec3(payload.x & 511u, payload.x >> 9 & 511u, payload.x >> 18 & 511u);
-        return payload.x >> 27 == 31u && any(equal(m, uvec3(511u)));
+        return all(bvec2(payload.x >> 27 == 31u, any(equal(m, uvec3(511u)))));
     }
     uvec2 words = TINT_BESIDE ? node_at(payload.x).zw : payload;
     uvec3 halves = uvec3(words.x & 0xffffu, words.x >> 16, words.y & 0xffffu);

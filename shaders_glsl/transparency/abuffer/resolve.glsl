@@ -22,17 +22,18 @@ void main() {
     sort_slots();
     GatheredSamples front = nothing_gathered();
     bool clamped = false;
-    for (uint i = 0u; i < SLOTS; i++) {
+    [[unroll]] for (uint i = 0u; i < SLOTS; i++) {
+        bool there = i < pixel.count;
         Layer layer = node_layer(slot_key[i], slot_payload[i]);
-        layer.rgb = i < pixel.count ? layer.rgb : vec3(0.0);
-        layer.through = i < pixel.count ? layer.through : vec3(1.0);
+        layer.rgb = mix(vec3(0.0), layer.rgb, bvec3(there));
+        layer.through = mix(vec3(1.0), layer.through, bvec3(there));
         put_behind(front, layer, node_samples(uint(slot_key[i])));
-        clamped = clamped || (i < pixel.count && is_clamped(slot_payload[i]));
+        clamped = mix(clamped, true, all(bvec2(there, is_clamped(slot_payload[i]))));
     }
     if (clamped) {
         atomicAdd(report.clamped_pixels, 1u);
     }
-    ivec2 at = pixel_of(pixel.index);
+    ivec2 at = pixel_at(pixel);
     check_filled(pixel, at);
     imageStore(color, at, over_opaque(front, imageLoad(color, at)));
 }

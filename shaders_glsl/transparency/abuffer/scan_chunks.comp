@@ -23,8 +23,9 @@ void main() {
     uint first = chunk * CHUNK;
     uint end = min(first + CHUNK, pixels);
     Sums sums = NOTHING;
+    ivec2 at = pixel_of(first);
     for (uint pixel = first; pixel < end; ++pixel) {
-        uint count = uint(texelFetch(counts, pixel_of(pixel), 0).r) * abuffer.used;
+        uint count = uint(texelFetch(counts, at, 0).r) * abuffer.used;
         uint own = class_of(count);
         sums.nodes = add_nodes(sums.nodes, count);
         sums.longest = max(sums.longest, count);
@@ -32,6 +33,7 @@ void main() {
         sums.pixels[1] += uint(own == 1u);
         sums.pixels[2] += uint(own == 2u);
         sums.pixels[3] += uint(own == 3u);
+        at = next_pixel(at);
     }
     chunks[chunk] = sums;
 }

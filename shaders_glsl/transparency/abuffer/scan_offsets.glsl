@@ -1,6 +1,7 @@
 // Where each pixel's nodes begin, and the list of pixels that have some.
 #extension GL_EXT_samplerless_texture_functions : require
 #define WORK_ACCESS writeonly
+#include "transparency/abuffer/frame.glsl"
 #include "transparency/abuffer/work.glsl"
 
 layout(local_size_x = 64) in;
@@ -33,20 +34,22 @@ void main() {
     place.z += total.pixels[0] + total.pixels[1];
     place.w += total.pixels[0] + total.pixels[1] + total.pixels[2];
     uint node = before.nodes;
+    ivec2 at = pixel_of(first);
     for (uint pixel = first; pixel < end; ++pixel) {
-        ivec2 at = pixel_of(pixel);
         uint count = uint(texelFetch(counts, at, 0).r) * abuffer.used;
         uint own = class_of(count);
         uint to = own == 0u ? place.x : own == 1u ? place.y : own == 2u ? place.z : place.w;
+        uint packed = uint(at.x | at.y << 16);
         if (count > 0u) {
 #ifdef LISTS
-            work[to] = Pixel(pixel, imageLoad(heads, at).r, node, count);
+            work[to] = Pixel(packed, imageLoad(heads, at).r, node, count);
 #else
-            work[to] = Pixel(pixel, node, node, count);
+            work[to] = Pixel(packed, node, node, count);
             imageStore(cursors, at, uvec4(node));
 #endif
         }
         place += uvec4(equal(uvec4(own), uvec4(0u, 1u, 2u, 3u))) * uint(count > 0u);
         node += count;
+        at = next_pixel(at);
     }
 }

@@ -19,7 +19,7 @@ void main() {
     }
     load_slots(pixel);
     sort_slots();
-    for (uint i = 0u; i < SLOTS; i++) {
+    [[unroll]] for (uint i = 0u; i < SLOTS; i++) {
         if (i < pixel.count) {
             imageStore(sorted, node_texel(pixel.place + i), slot_node(i));
         }

@@ -19,5 +19,5 @@ void main() {
     Pixel pixel = work[place];
     float nearest = uintBitsToFloat(imageLoad(sorted, node_texel(pixel.place)).x);
     float farthest = uintBitsToFloat(imageLoad(sorted, node_texel(pixel.place + pixel.count - 1u)).x);
-    imageStore(spans, pixel_of(pixel.index), vec4(pixel.place, pixel.count, nearest, farthest));
+    imageStore(spans, pixel_at(pixel), vec4(pixel.place, pixel.count, nearest, farthest));
 }

@@ -1,14 +1,17 @@
 // Pixels that have nodes, class by class.
-#include "transparency/abuffer/frame.glsl"
 #include "transparency/abuffer/scan.glsl"
 #include "transparency/abuffer/totals.glsl"
 
 struct Pixel {
-    uint index; // row of the band · width + x
+    uint at; // x, y · 2^16
     uint first; // its first node: in arrays as `place`, in lists the head
     uint place; // nodes of all pixels before
     uint count;
 };
+
+ivec2 pixel_at(Pixel pixel) {
+    return ivec2(pixel.at & 0xffffu, pixel.at >> 16);
+}
 
 layout(set = 0, binding = 4, scalar) WORK_ACCESS buffer Work {
     Pixel work[]; // there may be room for more

@@ -350,6 +350,23 @@ fn every_benchmark_runs() {
     }
 }
 
+/// Usually 5 to 8 times, on a busy machine as well, since both take turns in one process. Loops that are not unrolled any
+/// more, or registers that became memory, took it to 20 and more.
+#[test]
+fn the_a_buffer_is_not_much_slower_to_blending() {
+    let folder = tempfile::tempdir().unwrap();
+    if !stdout(&succeeds(&folder, &["info"])).contains("Mesa 22.3") {
+        return println!("skipped: the bound is that of Mesa 22.3's lavapipe");
+    }
+    let case = "arrays 256x256x8";
+    let printed = stdout(&succeeds(&folder, &["bench", "abuffer", "--case", case, "--runs", "3", "--json"]));
+    let figures = printed.lines().map(|line| serde_json::from_str::<serde_json::Value>(line).unwrap());
+    let wanted = |figure: &serde_json::Value| figure["case"] == case && figure["metric"] == "whole to blending";
+    let times: Vec<_> = figures.filter(wanted).map(|figure| figure["value"].as_f64().unwrap()).collect();
+    println!("{times:?} times blending");
+    assert!(times.iter().any(|&times| times > 0.0 && times < 16.0), "{times:?} times blending");
+}
+
 #[test]
 fn techniques_of_transparency_take_their_settings() {
     let folder = tempfile::tempdir().unwrap();

@@ -10,7 +10,7 @@ use super::pipeline_checks::{check_inputs, check_outputs, check_shader, check_st
 use super::pipeline_state::create_graphics;
 use super::{Gpu, GraphicsPipelineInfo, SetLayout};
 use crate::Result;
-use crate::shader::{Binding, Shader, Stage};
+use crate::shader::{Binding, Shader, Stage, specialized};
 
 /// Value of a specialisation constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -187,11 +187,8 @@ impl Gpu {
         let layout = pipeline_layout(device, name, &[shader], &[])?;
 
         // 2. The pipeline.
-        let specialised = Specialised::new(constants);
-        let specialisation = specialised.info();
-        let modules = Modules::new(device, name, &[shader], layout)?;
-        let stages = modules.stages(&specialisation);
-        let info = vk::ComputePipelineCreateInfo::default().stage(stages[0]).layout(modules.layout.raw);
+        let modules = Modules::new(device, name, &[shader], constants, layout)?;
+        let info = vk::ComputePipelineCreateInfo::default().stage(modules.stages()[0]).layout(modules.layout.raw);
         // SAFETY: a valid structure; what it points at lives.
         let made = unsafe { device.raw.create_compute_pipelines(device.pipeline_cache.cache, &[info], None) };
         let pipeline = made.map_err(|e| device.error("vkCreateComputePipelines", name, e.1))?[0];
@@ -226,10 +223,8 @@ impl Gpu {
         let layout = pipeline_layout(device, name, &shaders, info.set_layouts)?;
 
         // 2. The pipeline.
-        let specialised = Specialised::new(info.constants);
-        let specialisation = specialised.info();
-        let modules = Modules::new(device, name, &shaders, layout)?;
-        let pipeline = create_graphics(device, info, &modules.stages(&specialisation), modules.layout.raw)?;
+        let modules = Modules::new(device, name, &shaders, info.constants, layout)?;
+        let pipeline = create_graphics(device, info, &modules.stages(), modules.layout.raw)?;
         Ok(Pipeline::new(device, name, pipeline, modules.finish(), &shaders, info.constants))
     }
 }
@@ -243,12 +238,19 @@ struct Modules<'a> {
 }
 
 impl<'a> Modules<'a> {
-    fn new(device: &'a Device, name: &str, shaders: &[&'static Shader], layout: Layout) -> Result<Self> {
+    fn new(
+        device: &'a Device,
+        name: &str,
+        shaders: &[&'static Shader],
+        constants: &[(u32, Constant)],
+        layout: Layout,
+    ) -> Result<Self> {
         let mut made = Modules { device, modules: Vec::new(), layout, finished: false };
+        let constants: Vec<_> = constants.iter().map(|&(id, value)| (id, value.bits())).collect();
         for shader in shaders {
-            let code = shader.words();
+            let code = specialized(&shader.words(), &constants);
             let info = vk::ShaderModuleCreateInfo::default().code(&code);
-            // SAFETY: the build script's compiler made the code.
+            // SAFETY: the build script's compiler made the code; what was put in place of constants is as valid.
             let module = unsafe { device.raw.create_shader_module(&info, None) };
             let object = format!("{} of pipeline {name:?}", shader.file);
             let module = module.map_err(|e| device.error("vkCreateShaderModule", &object, e))?;
@@ -258,13 +260,9 @@ impl<'a> Modules<'a> {
         Ok(made)
     }
 
-    fn stages<'s>(&self, constants: &'s vk::SpecializationInfo<'s>) -> Vec<vk::PipelineShaderStageCreateInfo<'s>> {
+    fn stages(&self) -> Vec<vk::PipelineShaderStageCreateInfo<'_>> {
         let stage = |&(stage, module): &(vk::ShaderStageFlags, vk::ShaderModule)| {
-            vk::PipelineShaderStageCreateInfo::default()
-                .stage(stage)
-                .module(module)
-                .name(c"main")
-                .specialization_info(constants)
+            vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module).name(c"main")
         };
         self.modules.iter().map(stage).collect()
     }
@@ -286,29 +284,5 @@ impl Drop for Modules<'_> {
                 self.device.raw.destroy_pipeline_layout(self.layout.raw, None);
             }
         }
-    }
-}
-
-/// Specialisation constants as Vulkan wants them: all of 4 bytes.
-struct Specialised {
-    entries: Vec<vk::SpecializationMapEntry>,
-    data: Vec<u8>,
-}
-
-impl Specialised {
-    fn new(constants: &[(u32, Constant)]) -> Self {
-        let entry = |(i, c): (usize, &(u32, Constant))| vk::SpecializationMapEntry {
-            constant_id: c.0,
-            offset: i as u32 * 4,
-            size: 4,
-        };
-        Self {
-            entries: constants.iter().enumerate().map(entry).collect(),
-            data: constants.iter().flat_map(|c| c.1.bits().to_ne_bytes()).collect(),
-        }
-    }
-
-    fn info(&self) -> vk::SpecializationInfo<'_> {
-        vk::SpecializationInfo::default().map_entries(&self.entries).data(&self.data)
     }
 }

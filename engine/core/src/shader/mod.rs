@@ -3,6 +3,7 @@
 mod binding;
 mod program;
 mod slot;
+mod specialize;
 
 pub use binding::{Binding, BindingKind, ImageType, Input, Output, OutputScalar, Push, Shader, ShaderAccess, Stage};
 pub use program::{Pipelines, Program, Targets, Wanted};
@@ -10,3 +11,4 @@ pub use slot::{
     Access, Buffer, ColorSlot, ConstantSlot, Image, ImageSlot, InputSlot, Read, ReadSlot, ReadWrite, SampledSlot,
     SamplerSlot, Slot, StorageSlot, UniformSlot, WithTail, Write, WriteSlot,
 };
+pub(crate) use specialize::specialized;

@@ -61,7 +61,8 @@ pub struct Executor<'g> {
 pub struct Executed {
     /// Captured contents, in the order they were captured.
     pub captures: Vec<Capture>,
-    /// Time of each pass on the device, in the order of the plan; empty where the device has no timestamps.
+    /// Time of each pass on the device, the barriers before it included, in the order of the plan; empty where the device
+    /// has no timestamps.
     pub passes: Vec<PassTime>,
     /// Time from the start of the call to submission, on the host. Over all segments.
     pub recording: Duration,
@@ -284,11 +285,11 @@ impl<'g> Executor<'g> {
         let mut commands = self.gpu.commands(&description.name)?;
         let (mut bound, mut asked) = (BoundCompute::default(), Vec::new());
         for (index, step) in steps.iter().enumerate() {
+            timer.mark(device, &commands, index);
             barriers.record(device, &commands, index);
             if self.serialize {
                 record::full_barrier(device, &commands);
             }
-            timer.mark(device, &commands, 2 * index);
             match step {
                 Task::Pass { pass, programs: mine } => {
                     if self.instruments {
@@ -311,8 +312,8 @@ impl<'g> Executor<'g> {
             if self.instruments {
                 commands.end_pass();
             }
-            timer.mark(device, &commands, 2 * index + 1);
         }
+        timer.mark(device, &commands, steps.len());
         barriers.record(device, &commands, steps.len());
 
         // 3. Run, and wait.

@@ -13,7 +13,7 @@ pub struct PassTime {
     pub seconds: f64,
 }
 
-/// Two timestamps a step, where the device has them.
+/// A timestamp before the first step and one after each, where the device has them: a software driver waits at each.
 #[derive(Default)]
 pub(super) struct Timer {
     pool: Option<QueryPool>,
@@ -24,7 +24,7 @@ impl Timer {
         if steps == 0 || !gpu.caps().has(Feature::Timestamps) {
             return Ok(Self { pool: None });
         }
-        let pool = gpu.query_pool("pass times", QueryKind::Timestamp, 2 * steps as u32)?;
+        let pool = gpu.query_pool("pass times", QueryKind::Timestamp, steps as u32 + 1)?;
         Ok(Self { pool: Some(pool) })
     }
 
@@ -32,6 +32,7 @@ impl Timer {
         self.pool.iter().for_each(QueryPool::reset);
     }
 
+    /// Before the step of this number.
     pub(super) fn mark(&self, device: &ash::Device, commands: &Commands, index: usize) {
         if let Some(pool) = &self.pool {
             record::timestamp(device, commands, pool, index as u32);
@@ -45,6 +46,6 @@ impl Timer {
             [Some(start), Some(end)] => Some(PassTime { name: name(i), seconds: (end - start).max(0.0) * 1e-9 }),
             _ => None,
         };
-        Ok(marks.chunks_exact(2).enumerate().filter_map(time).collect())
+        Ok(marks.windows(2).enumerate().filter_map(time).collect())
     }
 }

@@ -56,7 +56,6 @@ impl ABuffer {
             let mut pass = graph.compute(format!("{}.layer.{index}", built.name), &layer_comp::SHADER);
             built.bind(&mut pass, self);
             pass.uniform(layer_comp::VIEWS, &ViewSet::from(*view).block())
-                .uniform_data(layer_comp::ABUFFER, built.frame)
                 .specialize(layer_comp::NODE_UNIT, self.unit());
             last = last.take().map(|last| pass.write(layer_comp::LAST, last));
             let color = pass.write(layer_comp::COLOR, color);

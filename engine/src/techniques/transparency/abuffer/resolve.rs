@@ -107,8 +107,7 @@ impl ABuffer {
         for (class, slots) in [4, 8, SHORT].into_iter().enumerate() {
             let mut pass = graph.compute(format!("{}.resolve.{slots}", built.name), shader);
             built.bind(&mut pass, self);
-            pass.uniform_data(resolve_comp::ABUFFER, built.frame)
-                .read(resolve_comp::ENDS, &built.ends)
+            pass.read(resolve_comp::ENDS, &built.ends)
                 .specialize(resolve_comp::NODE_UNIT, self.unit())
                 .specialize(resolve_comp::SLOTS, slots);
             color = pass.write(resolve_comp::COLOR, color);
@@ -186,15 +185,14 @@ impl ABuffer {
         onto: Resolved,
     ) -> (Resolved, [ImageHandle; 2]) {
         let Resolved { color, report, front, nearest } = onto;
-        let Built { name, scanned, frame, .. } = built;
+        let Built { name, scanned, .. } = built;
         let [even, odd] = self.merged(graph, built, sorted);
         let shader = match self.samples {
             1 => &long_composite_comp::SHADER,
             _ => &long_composite_multisampled_comp::SHADER,
         };
         let mut pass = graph.compute(format!("{name}.long.composite"), shader);
-        pass.uniform_data(long_composite_comp::ABUFFER, *frame)
-            .read(long_composite_comp::NODES, &built.nodes)
+        pass.read(long_composite_comp::NODES, &built.nodes)
             .read(long_composite_comp::BESIDE, &built.beside)
             .read(long_composite_comp::TOTALS, &scanned.totals)
             .read(long_composite_comp::WORK, &built.work)
@@ -226,7 +224,7 @@ impl ABuffer {
     fn front(&self, graph: &mut Graph, view: &View, built: &Built, front: ImageHandle) -> ImageHandle {
         let mut pass = graph.compute(format!("{}.front", built.name), &front_comp::SHADER);
         built.bind(&mut pass, self);
-        pass.uniform(front_comp::VIEWS, &ViewSet::from(*view).block()).uniform_data(front_comp::ABUFFER, built.frame);
+        pass.uniform(front_comp::VIEWS, &ViewSet::from(*view).block());
         let front = pass.write(front_comp::FRONT, front);
         pass.dispatch_indirect(&built.scanned.totals, offset_of!(blocks::Totals, work_groups) as u64);
         front

@@ -75,8 +75,7 @@ impl ABuffer {
 
         // 3. Where each pixel's begin.
         let mut pass = graph.compute(format!("{name}.spans"), &spans_comp::SHADER);
-        pass.uniform_data(spans_comp::ABUFFER, built.frame)
-            .read(spans_comp::TOTALS, &built.scanned.totals)
+        pass.read(spans_comp::TOTALS, &built.scanned.totals)
             .read(spans_comp::WORK, &built.work)
             .read(spans_comp::SORTED, &nodes);
         let spans = pass.write(spans_comp::SPANS, spans);
