@@ -114,7 +114,7 @@ impl History {
                         access: normal(access, is_image),
                         write: makes.is_some(),
                         reads: reads || makes.is_none(),
-                        fork: makes.and_then(|made| versions.fork[made.0 as usize]),
+                        fork: makes.and_then(|made| versions.fork(made)),
                     },
                 );
             }
