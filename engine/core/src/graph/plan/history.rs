@@ -85,6 +85,8 @@ impl History {
     pub(super) fn new(description: &Description, versions: &Versions, mut events: Events, schedule: &Schedule) -> Self {
         let mut steps = vec![0; description.passes.len() + description.roots.len()];
         schedule.nodes.iter().enumerate().for_each(|(step, &node)| steps[node as usize] = step as u32);
+        // Where steps come as they were recorded, so do uses.
+        let moved = !schedule.nodes.is_sorted();
         let cells = events.cells();
         let mut history =
             Self { groups: Vec::with_capacity(events.len()), first: Vec::with_capacity(cells as usize + 1) };
@@ -94,7 +96,9 @@ impl History {
             let is_image = is_image(&description.resources[resource.0 as usize]);
             let from = history.groups.len();
             history.groups.extend(arrives(description, versions, cell));
-            events.sort(cell, |event| steps[event.node as usize]);
+            if moved {
+                events.sort(cell, |event| steps[event.node as usize]);
+            }
             for event in events.of(cell) {
                 let step = steps[event.node as usize] as usize;
                 let (at, queue) = (At::step(step), schedule.queues[step]);

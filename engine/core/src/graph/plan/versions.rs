@@ -73,6 +73,8 @@ pub(super) struct Versions {
     pub(super) broken: Vec<bool>,
     /// By cell of a kept resource: the state it arrives in.
     pub(super) arrival: FxHashMap<u32, State>,
+    /// Whether each version is all of a resource, and passes use the last one before them alone.
+    pub(super) plain: bool,
 }
 
 impl Versions {
@@ -81,10 +83,11 @@ impl Versions {
         Self::new(description, wholes(description), vec![false; description.versions.len()])
     }
 
-    /// Of versions that are each all of a resource, and as a pass or what came before the frame left it.
+    /// Of versions that are each all of a resource. Passes use the last one before them alone, and kept resources there
+    /// are none.
     pub(super) fn plain(cells: Cells, epoch: Vec<u32>, defined: Vec<bool>) -> Self {
         let broken = vec![false; defined.len()];
-        Self { cells, epoch, defined, forks: Vec::new(), broken, arrival: FxHashMap::default() }
+        Self { cells, epoch, defined, forks: Vec::new(), broken, arrival: FxHashMap::default(), plain: true }
     }
 
     /// Goes through versions in order; sources of a version that is not broken come before it. `wholes`: by resource, all
@@ -98,6 +101,7 @@ impl Versions {
             forks: Vec::new(),
             cells,
             broken,
+            plain: false,
         };
         for (index, version) in description.versions.iter().enumerate() {
             if facts.broken[index] {
