@@ -53,6 +53,14 @@ impl Schedule {
             Some(root) => Work::ReadBack(root),
         }
     }
+
+    /// The node that does it.
+    pub(super) fn node(&self, work: Work) -> usize {
+        match work {
+            Work::Pass(pass) => pass.0 as usize,
+            Work::ReadBack(root) => self.passes + root,
+        }
+    }
 }
 
 /// Uses of one cell in a row: reads of the same contents in the same layout, one write, or unordered writes.
