@@ -197,12 +197,21 @@ fn spoilt_graphs_are_errors_or_right_and_never_panic() {
 #[test]
 fn plain_frames_are_planned_as_any_others() {
     let right = Cell::new([0; 2]);
-    let changes = prop::collection::vec(any::<[u8; 5]>(), 0..2);
-    let judge = |(recipe, changes): (Recipe, Vec<[u8; 5]>)| {
-        let ordinary = |(kind, uses): (u8, Vec<[u8; 5]>)| (kind - kind % 16 + kind % 10, uses);
+    let changes = (prop::collection::vec(any::<[u8; 5]>(), 0..2), any::<[u8; 2]>());
+    let judge = |(recipe, (changes, twice)): (Recipe, (Vec<[u8; 5]>, [u8; 2]))| {
+        // Some read what is written over by then.
+        let ordinary =
+            |(kind, uses): (u8, Vec<[u8; 5]>)| (kind & 0xf0 | if kind % 32 == 0 { 14 } else { kind % 10 }, uses);
         let recipe = Recipe { passes: recipe.passes.into_iter().map(ordinary).collect(), ..recipe };
         let (mut description, device) = (recipe.description(), recipe.device());
         changes.iter().for_each(|change| spoil(&mut description, *change));
+        // Some use a version twice.
+        let pass = u32::from(twice[0]) % description.passes.len().max(1) as u32;
+        if let [first, second, ..] = description.uses_of_mut(PassId(pass))
+            && twice[1] % 2 == 0
+        {
+            second.version = first.version;
+        }
         if !description.checkpoints.is_empty() {
             return Ok(());
         }
