@@ -13,7 +13,7 @@ use shadowgraph::graph::description::{
 use shadowgraph::graph::plan::{End, Segment, plan, segment};
 use shadowgraph::graph::report::text;
 use shadowgraph_tests::harness;
-use shadowgraph_tests::hazard::{Recipe, check, check_frames, check_segments, recipes};
+use shadowgraph_tests::hazard::{Draft, Recipe, check, check_frames, check_segments, recipes};
 
 /// Random graphs, in the default run and with `SHADOWGRAPH_LONG=1`.
 fn cases(few: u32, many: u32) -> Config {
@@ -190,6 +190,48 @@ fn spoilt_graphs_are_errors_or_right_and_never_panic() {
         Ok(())
     };
     TestRunner::new(cases(2_000, 100_000)).run(&spoilt, outcome).unwrap();
+}
+
+/// Frames of whole resources, each used as the pass before left it, are judged by a short look. With a resource more that
+/// is cut, and that nobody uses, the same frame goes through every check: errors are errors, and the plan is the same.
+#[test]
+fn plain_frames_are_planned_as_any_others() {
+    let right = Cell::new([0; 2]);
+    let changes = (prop::collection::vec(any::<[u8; 5]>(), 0..2), any::<[u8; 2]>());
+    let judge = |(recipe, (changes, twice)): (Recipe, (Vec<[u8; 5]>, [u8; 2]))| {
+        // Some read what is written over by then.
+        let ordinary =
+            |(kind, uses): (u8, Vec<[u8; 5]>)| (kind & 0xf0 | if kind % 32 == 0 { 14 } else { kind % 10 }, uses);
+        let recipe = Recipe { passes: recipe.passes.into_iter().map(ordinary).collect(), ..recipe };
+        let (mut description, device) = (recipe.description(), recipe.device());
+        changes.iter().for_each(|change| spoil(&mut description, *change));
+        // Some use a version twice.
+        let pass = u32::from(twice[0]) % description.passes.len().max(1) as u32;
+        if let [first, second, ..] = description.uses_of_mut(PassId(pass))
+            && twice[1] % 2 == 0
+        {
+            second.version = first.version;
+        }
+        if !description.checkpoints.is_empty() {
+            return Ok(());
+        }
+        let found = plan(&description, &device);
+        let mut draft = Draft { description };
+        let whole = draft.buffer("cut", 64);
+        draft.split(whole, Range::Buffer([0, 32]));
+        let mut wanted = plan(&draft.description, &device);
+        if let Ok(plan) = &mut wanted {
+            prop_assert_eq!(plan.usages.pop(), Some(None));
+        }
+        let [all, some] = right.get();
+        right.set([all + 1, some + u32::from(wanted.is_ok())]);
+        prop_assert_eq!(found.as_ref().ok(), wanted.as_ref().ok(), "{:?} {:?}", found, wanted);
+        Ok(())
+    };
+    TestRunner::new(cases(2_000, 100_000)).run(&(recipes(24), changes), judge).unwrap();
+    let [all, some] = right.get();
+    println!("{some} of {all} are right");
+    assert!(some * 4 > all && some * 4 < all * 3, "{some} of {all}");
 }
 
 /// Found among 100,000 random graphs: `p5` takes over memory that `p3` cleared, and memory that `p12` cleared. One barrier for all memory

@@ -71,7 +71,8 @@ impl<'a> Sets<'a> {
                         let depth = vk::ImageAspectFlags::DEPTH;
                         let aspects = if aspects.contains(depth) { depth } else { aspects };
                         let view = ViewInfo { kind, mips, layers, aspects, ..image.whole() };
-                        self.image(binding, image, view, *layout, sampler)
+                        let nearest = SamplerInfo::nearest();
+                        self.image(binding, image, view, *layout, sampler.as_deref().unwrap_or(&nearest))
                     }
                     (External::Buffer(buffer), Range::Buffer([first, end])) => {
                         // A size that a checkpoint told may be less than the description's.

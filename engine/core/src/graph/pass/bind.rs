@@ -64,19 +64,19 @@ macro_rules! binding_methods {
 
         /// Binds an image that does not change while frames run.
         pub fn texture(&mut self, slot: SampledSlot, image: &Image, sampler: SamplerInfo) -> &mut Self {
-            self.collected.constant(self.graph, &slot.binding(), What::Image(image.clone(), sampler));
+            self.collected.constant(self.graph, &slot.binding(), What::Image(image.clone(), Box::new(sampler)));
             self
         }
 
         /// Reads a resource. A slot with a sampler of its own takes the nearest texel; see `sample`.
         pub fn read<S: ReadSlot>(&mut self, slot: S, handle: &impl Fits<S::Resource>) -> &mut Self {
-            self.collected.read(self.graph, &slot.binding(), handle, SamplerInfo::nearest());
+            self.collected.read(self.graph, &slot.binding(), handle, None);
             self
         }
 
         /// Reads an image through a sampler.
         pub fn sample(&mut self, slot: SampledSlot, handle: &ImageHandle, sampler: SamplerInfo) -> &mut Self {
-            self.collected.read(self.graph, &slot.binding(), handle, sampler);
+            self.collected.read(self.graph, &slot.binding(), handle, Some(Box::new(sampler)));
             self
         }
 

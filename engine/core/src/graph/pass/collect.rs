@@ -94,7 +94,13 @@ impl Collected {
         }
     }
 
-    pub(super) fn read<H: Handle>(&self, graph: &mut Graph, slot: &Binding, handle: &H, sampler: SamplerInfo) {
+    pub(super) fn read<H: Handle>(
+        &self,
+        graph: &mut Graph,
+        slot: &Binding,
+        handle: &H,
+        sampler: Option<Box<SamplerInfo>>,
+    ) {
         let Some(Found { binding, stages, .. }) = self.find(graph, slot) else { return };
         let access = match binding.kind {
             BindingKind::UniformBuffer => Access::uniform(stages),
@@ -122,12 +128,8 @@ impl Collected {
             (false, ShaderAccess::ReadWrite) => Access::storage_buffer_read_write(stages),
             (false, _) => Access::storage_buffer_write(stages),
         };
-        let what = What::Resource {
-            resource: handle.resource(),
-            range: handle.range(),
-            layout: access.layout,
-            sampler: SamplerInfo::nearest(),
-        };
+        let what =
+            What::Resource { resource: handle.resource(), range: handle.range(), layout: access.layout, sampler: None };
         let next = graph.written(self.pass, binding.name, handle, reads, access);
         graph.bound.push(Bound { binding: binding.binding, what });
         next
@@ -140,7 +142,7 @@ impl Collected {
             resource: handle.resource,
             range: handle.range,
             layout: Access::ordered_attachment().layout,
-            sampler: SamplerInfo::nearest(),
+            sampler: None,
         };
         graph.bound.push(Bound { binding: binding.binding, what });
     }

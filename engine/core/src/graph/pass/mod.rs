@@ -154,9 +154,14 @@ pub(in crate::graph) enum What {
     /// A buffer that never changes while frames run.
     Buffer(Buffer),
     /// An image that never changes while frames run.
-    Image(Image, SamplerInfo),
-    /// A resource of the graph.
-    Resource { resource: ResourceId, range: description::Range, layout: vk::ImageLayout, sampler: SamplerInfo },
+    Image(Image, Box<SamplerInfo>),
+    /// A resource of the graph. `sampler`: the nearest texel where there is none.
+    Resource {
+        resource: ResourceId,
+        range: description::Range,
+        layout: vk::ImageLayout,
+        sampler: Option<Box<SamplerInfo>>,
+    },
 }
 
 /// Attachments of a raster pass.

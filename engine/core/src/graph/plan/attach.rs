@@ -26,20 +26,20 @@ impl<'a> Attach<'a> {
     /// Puts those up to a moment in their places: before it, or at the end of the batch of a step that they release
     /// behind.
     pub(super) fn up_to(&mut self, at: At, before: &mut Barriers, batches: &mut [Batch]) {
-        let key = |index: u32| {
-            let barrier = &self.all[index as usize];
-            (barrier.at, barrier.release, self.context.resource(barrier))
-        };
-        while let Some(&first) = self.rest.first() {
-            let (place, release, resource) = key(first);
-            if place > at {
+        while let Some((&first, others)) = self.rest.split_first() {
+            let first = &self.all[first as usize];
+            if first.at > at {
                 return;
             }
-            let others = self.rest[1..].iter().take_while(|&&other| key(other) == (place, release, resource));
-            let (same, rest) = self.rest.split_at(1 + others.count());
-            let barriers = match release {
+            let resource = self.context.resource(first);
+            let is_same = |other: &&u32| {
+                let other = &self.all[**other as usize];
+                (other.at, other.release) == (first.at, first.release) && self.context.resource(other) == resource
+            };
+            let (same, rest) = self.rest.split_at(1 + others.iter().take_while(is_same).count());
+            let barriers = match first.release {
                 true => {
-                    let batch = place.index().and_then(|step| self.batch_of.get(step)).copied();
+                    let batch = first.at.index().and_then(|step| self.batch_of.get(step)).copied();
                     &mut batches[batch.unwrap_or(0)].release
                 }
                 false => &mut *before,

@@ -52,7 +52,7 @@ impl AllPending {
 /// they are for, ascending.
 pub(super) fn chain(context: &Context, pending: &mut [Pending], held: &[Stages]) -> Vec<ResourceId> {
     let mut chained = Vec::new();
-    for barrier in pending.iter_mut() {
+    for barrier in pending.iter_mut().filter(|_| !held.is_empty()) {
         let [first, end] = barrier.relies.map(|place| place as usize);
         if let Some(held) = held.get(first..end).filter(|held| !held.is_empty()) {
             barrier.kind.from.stages = held.iter().fold(barrier.kind.from.stages, |all, &stages| both(all, stages));

@@ -11,13 +11,14 @@ use crate::graph::description::{Description, Origin, Range, ResourceId, Shape};
 pub(super) struct Cells {
     /// By resource: all of it.
     wholes: Vec<Range>,
-    /// By resource, then the total.
+    /// By resource, then the total; nothing where no resource is cut: then each is the cell of its number, and each
+    /// version has the slot of its number.
     first: Vec<u32>,
     /// How resources of more than one cell are cut, ascending.
     grids: Vec<(ResourceId, Grid)>,
-    /// Resource of each cell.
+    /// Resource of each cell; nothing where no resource is cut.
     resource: Vec<ResourceId>,
-    /// By version, then the total: its slots.
+    /// By version, then the total: its slots; nothing where no resource is cut.
     first_slot: Vec<u32>,
     /// Cell of each slot, ascending within a version.
     slot_cells: Vec<u32>,
@@ -49,6 +50,9 @@ impl Cells {
                 let arriving = arriving.filter(|part| part != whole && part.lies_in(whole));
                 parts.extend(arriving.map(|part| (ResourceId(index as u32), part)));
             }
+        }
+        if parts.is_empty() && !broken.contains(&true) {
+            return Self::uncut(description, wholes);
         }
         parts.sort_by_key(|(resource, _)| *resource);
 
@@ -92,9 +96,21 @@ impl Cells {
         Self { slot_cells, ..cells }
     }
 
+    /// Of versions that are each all of a resource.
+    pub(super) fn uncut(description: &Description, wholes: Vec<Range>) -> Self {
+        let slot_cells = description.versions.iter().map(|version| version.resource.0).collect();
+        let (first, grids, resource, first_slot) = Default::default();
+        Self { wholes, first, grids, resource, first_slot, slot_cells }
+    }
+
     /// All of a resource.
     pub(super) fn whole(&self, resource: ResourceId) -> Range {
         self.wholes[resource.0 as usize]
+    }
+
+    /// Whether no resource is cut.
+    fn is_uncut(&self) -> bool {
+        self.first.is_empty()
     }
 
     /// How a resource is cut; `None`: not at all.
@@ -108,7 +124,7 @@ impl Cells {
 
     /// Adds the cells of a range, which begins and ends where cells do, in ascending order.
     pub(super) fn cover(&self, resource: ResourceId, range: Range, covered: &mut Vec<u32>) {
-        let first = self.first[resource.0 as usize];
+        let first = self.of(resource).start;
         match (self.grid(resource), range) {
             (Some(Grid::Image { aspects, mips, layers }), Range::Image { aspects: a, mips: m, layers: l }) => {
                 let (m, l) = (span(mips, m), span(layers, l));
@@ -128,7 +144,7 @@ impl Cells {
 
     /// Number of cells.
     pub(super) fn len(&self) -> usize {
-        self.resource.len()
+        if self.is_uncut() { self.wholes.len() } else { self.resource.len() }
     }
 
     /// Number of slots of all versions.
@@ -138,16 +154,22 @@ impl Cells {
 
     /// The resource that a cell is part of.
     pub(super) fn resource(&self, cell: u32) -> ResourceId {
-        self.resource[cell as usize]
+        if self.is_uncut() { ResourceId(cell) } else { self.resource[cell as usize] }
     }
 
     /// Cells of a resource.
     pub(super) fn of(&self, resource: ResourceId) -> Span<u32> {
+        if self.is_uncut() {
+            return resource.0..resource.0 + 1;
+        }
         self.first[resource.0 as usize]..self.first[resource.0 as usize + 1]
     }
 
     /// Slots of a version: one for each cell that it covers.
     pub(super) fn slots(&self, version: usize) -> Span<usize> {
+        if self.is_uncut() {
+            return version..version + 1;
+        }
         self.first_slot[version] as usize..self.first_slot[version + 1] as usize
     }
 
@@ -175,7 +197,7 @@ impl Cells {
     pub(super) fn ranges(&self, cells: &[u32]) -> Vec<Range> {
         let Some(&start) = cells.first() else { return Vec::new() };
         let resource = self.resource(start);
-        let first = self.first[resource.0 as usize];
+        let first = self.of(resource).start;
         match self.grid(resource) {
             None => vec![self.whole(resource)],
             Some(Grid::Buffer(bounds)) => {

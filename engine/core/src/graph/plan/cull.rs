@@ -2,11 +2,39 @@
 
 use super::CullReason;
 use super::versions::{Versions, last_of_needed};
-use crate::graph::description::{Description, PassId, Source, VersionId};
+use crate::graph::description::{Description, PassId, Source, Use, VersionId};
 use crate::graph::errors::{ErrorKind, GraphError, GraphErrors};
 
 /// Which passes are live, by pass, and why the others are not.
 pub(super) fn cull(description: &Description, versions: &Versions) -> (Vec<bool>, Vec<(PassId, CullReason)>) {
+    let live = if versions.plain { needed_of_plain(description) } else { needed(description, versions) };
+    if live.iter().all(|live| *live) {
+        return (live, Vec::new());
+    }
+    let readers = readers(description);
+    let dead = (0..live.len()).filter(|&index| !live[index]);
+    let culled = dead.map(|index| (PassId(index as u32), reason(description, &readers, &live, index))).collect();
+    (live, culled)
+}
+
+/// By pass: whether it is live, where passes that others need are recorded before them.
+fn needed_of_plain(description: &Description) -> Vec<bool> {
+    let mut needed = vec![false; description.versions.len()];
+    description.roots.iter().for_each(|root| needed[root.version.0 as usize] = true);
+    let mut live = vec![false; description.passes.len()];
+    for (live, pass) in live.iter_mut().zip(&description.passes).rev() {
+        let uses = description.uses_of(pass);
+        let makes = |used: &Use| used.makes.is_some_and(|made| needed[made.0 as usize]);
+        *live = pass.side_effect.is_some() || uses.iter().any(makes);
+        for used in uses.iter().filter(|used| *live && (used.reads || used.makes.is_none())) {
+            needed[used.version.0 as usize] = true;
+        }
+    }
+    live
+}
+
+/// By pass: whether it is live.
+fn needed(description: &Description, versions: &Versions) -> Vec<bool> {
     let mut need = Need {
         description,
         versions,
@@ -26,14 +54,7 @@ pub(super) fn cull(description: &Description, versions: &Versions) -> (Vec<bool>
     while let Some((version, slot)) = need.waiting.pop() {
         need.sources(version, slot);
     }
-    let live = need.live;
-    if live.iter().all(|live| *live) {
-        return (live, Vec::new());
-    }
-    let readers = readers(description);
-    let dead = (0..live.len()).filter(|&index| !live[index]);
-    let culled = dead.map(|index| (PassId(index as u32), reason(description, &readers, &live, index))).collect();
-    (live, culled)
+    need.live
 }
 
 struct Need<'a> {

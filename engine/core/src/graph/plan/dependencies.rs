@@ -49,10 +49,14 @@ impl Events {
         }
 
         // 2. By cell, and there by time: most come in order.
-        let mut events =
-            Self(Lists::new(versions.cells.len(), recorded.iter().map(|&(cell, event)| (cell as usize, event))));
+        let mut events = Self::by_cell(versions.cells.len(), &recorded);
         (0..events.cells()).for_each(|cell| events.sort(cell, |event| event.time));
         events
+    }
+
+    /// Each with its cell, of which there are `cells`; those of one come by time.
+    pub(super) fn by_cell(cells: usize, recorded: &[(u32, Event)]) -> Self {
+        Self(Lists::new(cells, recorded.iter().map(|&(cell, event)| (cell as usize, event))))
     }
 
     /// Number of all.
@@ -99,16 +103,17 @@ impl Dependencies {
         let mut edges: Vec<(Node, (Node, u32))> = Vec::with_capacity(events.len());
         let mut forward = true;
         for cell in 0..events.cells() {
-            let mut sets = events.of(cell).chunk_by(|a, b| a.time == b.time);
-            let Some(mut earlier) = sets.next() else { continue };
-            for later in sets {
-                for from in earlier {
-                    for to in later.iter().filter(|to| to.node != from.node) {
-                        forward &= from.node < to.node;
-                        edges.push((from.node, (to.node, cell)));
-                    }
+            let events = events.of(cell);
+            // Where those of the time before begin, and those of this time.
+            let (mut earlier, mut same) = (0, 0);
+            for (place, to) in events.iter().enumerate().skip(1) {
+                if events[same].time != to.time {
+                    (earlier, same) = (same, place);
                 }
-                earlier = later;
+                for from in events[earlier..same].iter().filter(|from| from.node != to.node) {
+                    forward &= from.node < to.node;
+                    edges.push((from.node, (to.node, cell)));
+                }
             }
         }
 

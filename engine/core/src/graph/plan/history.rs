@@ -53,6 +53,14 @@ impl Schedule {
             Some(root) => Work::ReadBack(root),
         }
     }
+
+    /// The node that does it.
+    pub(super) fn node(&self, work: Work) -> usize {
+        match work {
+            Work::Pass(pass) => pass.0 as usize,
+            Work::ReadBack(root) => self.passes + root,
+        }
+    }
 }
 
 /// Uses of one cell in a row: reads of the same contents in the same layout, one write, or unordered writes.
@@ -85,6 +93,8 @@ impl History {
     pub(super) fn new(description: &Description, versions: &Versions, mut events: Events, schedule: &Schedule) -> Self {
         let mut steps = vec![0; description.passes.len() + description.roots.len()];
         schedule.nodes.iter().enumerate().for_each(|(step, &node)| steps[node as usize] = step as u32);
+        // Where steps come as they were recorded, so do uses.
+        let moved = !schedule.nodes.is_sorted();
         let cells = events.cells();
         let mut history =
             Self { groups: Vec::with_capacity(events.len()), first: Vec::with_capacity(cells as usize + 1) };
@@ -94,7 +104,9 @@ impl History {
             let is_image = is_image(&description.resources[resource.0 as usize]);
             let from = history.groups.len();
             history.groups.extend(arrives(description, versions, cell));
-            events.sort(cell, |event| steps[event.node as usize]);
+            if moved {
+                events.sort(cell, |event| steps[event.node as usize]);
+            }
             for event in events.of(cell) {
                 let step = steps[event.node as usize] as usize;
                 let (at, queue) = (At::step(step), schedule.queues[step]);
@@ -114,7 +126,7 @@ impl History {
                         access: normal(access, is_image),
                         write: makes.is_some(),
                         reads: reads || makes.is_none(),
-                        fork: makes.and_then(|made| versions.fork[made.0 as usize]),
+                        fork: makes.and_then(|made| versions.fork(made)),
                     },
                 );
             }

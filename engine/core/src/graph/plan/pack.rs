@@ -42,13 +42,17 @@ struct Packing {
 
 /// Offsets of all blocks. `bound`: no packing is smaller. `conflict`: whether two blocks whose lives do not overlap may
 /// not share memory all the same; `None` where there are no such.
-pub(super) fn pack(blocks: &[Block], bound: u64, conflict: Option<&dyn Fn(usize, usize) -> bool>) -> Vec<u64> {
+pub(super) fn pack(
+    blocks: &[Block],
+    lives: &Lives,
+    bound: u64,
+    conflict: Option<&dyn Fn(usize, usize) -> bool>,
+) -> Vec<u64> {
     // 1. Sweep over time.
     let mut best = Packing { end: u64::MAX, offsets: Vec::new() };
     if conflict.is_none() {
-        let lives = Lives::new(blocks);
         for (backwards, tightest) in [(false, false), (true, false), (false, true), (true, true)] {
-            let next = sweep(blocks, &lives, backwards, tightest);
+            let next = sweep(blocks, lives, backwards, tightest);
             best = if next.end < best.end { next } else { best };
             if best.end <= bound {
                 return best.offsets;
@@ -75,14 +79,15 @@ pub(super) fn pack(blocks: &[Block], bound: u64, conflict: Option<&dyn Fn(usize,
 }
 
 /// Blocks by the steps at which their lives begin and end, the largest first.
-struct Lives {
-    begin: Lists<u32>,
-    end: Lists<u32>,
+pub(super) struct Lives {
+    pub(super) begin: Lists<u32>,
+    pub(super) end: Lists<u32>,
 }
 
 impl Lives {
-    fn new(blocks: &[Block]) -> Self {
-        let [mut begin, mut end] = [0, 1].map(|side| by_step(blocks, side));
+    pub(super) fn new(blocks: &[Block]) -> Self {
+        let steps = blocks.iter().map(|block| block.steps[1] as usize + 1).max().unwrap_or(0);
+        let [mut begin, mut end] = [0, 1].map(|side| by_step(blocks, steps, side));
         if blocks.iter().any(|block| block.size != blocks[0].size) {
             sort_by_size(&mut begin, blocks);
             sort_by_size(&mut end, blocks);
@@ -91,9 +96,8 @@ impl Lives {
     }
 }
 
-/// Blocks by their first step, or by their last one (`side` 1).
-fn by_step(blocks: &[Block], side: usize) -> Lists<u32> {
-    let steps = blocks.iter().map(|block| block.steps[1] as usize + 1).max().unwrap_or(0);
+/// Blocks by their first step, or by their last one (`side` 1), of so many steps.
+fn by_step(blocks: &[Block], steps: usize, side: usize) -> Lists<u32> {
     Lists::new(steps, (0..).zip(blocks).map(|(index, block)| (block.steps[side] as usize, index)))
 }
 

@@ -2,7 +2,7 @@
 
 use super::lifetimes::Lifetimes;
 use super::lists::Lists;
-use super::pack::{Block, pack};
+use super::pack::{Block, Lives, pack};
 use super::{DeviceModel, Heap, Placement, Requirements};
 use crate::graph::description::{Description, ResourceId, Shape};
 
@@ -46,9 +46,10 @@ pub(super) fn place(
     groups.reverse();
     while let Some((type_bits, mut resources)) = groups.pop() {
         let (items, blocks) = items(description, device.granularity(), requirements, lifetimes, &resources);
-        let lower_bound = lower_bound(&items, &blocks);
+        let lives = Lives::new(&blocks);
+        let lower_bound = lower_bound(&items, &lives);
         let conflict = |earlier: usize, later: usize| !lifetimes.before(items[earlier].resource, items[later].resource);
-        let offsets = pack(&blocks, lower_bound, (!lifetimes.one_queue()).then_some(&conflict));
+        let offsets = pack(&blocks, &lives, lower_bound, (!lifetimes.one_queue()).then_some(&conflict));
         let heap = placed.heaps.len();
         let end = blocks.iter().zip(&offsets).map(|(block, offset)| offset + block.size).max().unwrap_or(0);
         // More than the device allocates at once becomes two heaps, each of about half of the bytes.
@@ -67,7 +68,7 @@ pub(super) fn place(
         placed.heaps.push(Heap { size: end, alignment, type_bits });
         placed.lower_bound += lower_bound;
         placed.unaliased += items.iter().map(|item| item.bytes).sum::<u64>();
-        tenants(&items, &blocks, &offsets, &mut earlier);
+        tenants(&items, &blocks, &lives, &offsets, &mut earlier);
         placed.placements.reserve_exact(items.len());
         for ((item, block), &offset) in items.iter().zip(&blocks).zip(&offsets) {
             let steps = block.steps.map(|step| step as usize);
@@ -127,31 +128,23 @@ fn items(
 }
 
 /// The most bytes alive at once.
-fn lower_bound(items: &[Item], blocks: &[Block]) -> u64 {
-    // By step: bytes that come to life, and those that were alive up to the step before.
-    let steps = blocks.iter().map(|block| block.steps[1] as usize + 2).max().unwrap_or(0);
-    let mut changes = vec![[0; 2]; steps];
-    for (item, block) in items.iter().zip(blocks) {
-        let [first, last] = block.steps.map(|step| step as usize);
-        changes[first][0] += item.bytes;
-        changes[last + 1][1] += item.bytes;
+fn lower_bound(items: &[Item], lives: &Lives) -> u64 {
+    let bytes = |indices: &[u32]| indices.iter().map(|&index| items[index as usize].bytes).sum::<u64>();
+    let (mut alive, mut most) = (0, 0);
+    for step in 0..lives.begin.count() {
+        alive += bytes(lives.begin.of(step));
+        most = most.max(alive);
+        alive -= bytes(lives.end.of(step));
     }
-    let mut alive = 0;
-    changes.iter().fold(0, |most, [born, dead]| {
-        alive = alive - dead + born;
-        most.max(alive)
-    })
+    most
 }
 
 /// Finds out whose memory each item takes over, byte by byte the last one that had it.
-fn tenants(items: &[Item], blocks: &[Block], offsets: &[u64], earlier: &mut Vec<[ResourceId; 2]>) {
+fn tenants(items: &[Item], blocks: &[Block], lives: &Lives, offsets: &[u64], earlier: &mut Vec<[ResourceId; 2]>) {
     // Memory by its start: where it begins and ends, and who had it last.
     let mut memory: Vec<(u64, u64, ResourceId)> = Vec::with_capacity(items.len());
     earlier.reserve(items.len());
-    // In order of birth: most come so.
-    let mut births: Vec<u32> = (0..blocks.len() as u32).collect();
-    births.sort_by_key(|&index| blocks[index as usize].steps[0]);
-    for index in births {
+    for &index in lives.begin.all() {
         let resource = items[index as usize].resource;
         let start = offsets[index as usize];
         let end = start + blocks[index as usize].size;

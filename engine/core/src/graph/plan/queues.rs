@@ -47,9 +47,10 @@ pub(super) fn assign(
         queues.push(families.actual(queue));
     }
     let mut writers: Vec<(VersionId, usize)> = Vec::new();
-    for (step, &node) in nodes.iter().enumerate().filter(|(_, node)| (**node as usize) < passes) {
+    let forked = nodes.iter().enumerate().filter(|(_, node)| versions.are_forked() && (**node as usize) < passes);
+    for (step, &node) in forked {
         let made = description.uses_of(&description.passes[node as usize]).iter().filter_map(|used| used.makes);
-        writers.extend(made.filter_map(|made| versions.fork[made.0 as usize]).map(|fork| (fork, step)));
+        writers.extend(made.filter_map(|made| versions.fork(made)).map(|fork| (fork, step)));
     }
     writers.sort_unstable();
     // A writer of two forks may draw the one to graphics after the other was looked at: until nothing changes.

@@ -140,16 +140,13 @@ impl<'a> Redundant<'a> {
         if barriers.is_empty() {
             return;
         }
-        let (places, passes) = (&self.places, self.schedule.passes);
+        let (places, schedule) = (&self.places, self.schedule);
         // What came before the frame stands at 0, all of it on graphics.
         let place = |work: Option<Work>| match work {
             None => (queue == Queue::Graphics).then_some(0),
             Some(work) => {
-                let node = match work {
-                    Work::Pass(pass) => pass.0 as usize,
-                    Work::ReadBack(root) => passes + root,
-                };
-                places.get(node).filter(|place| place.0 == queue && place.1 > 0).map(|place| place.1)
+                let place = places.get(schedule.node(work)).filter(|place| place.0 == queue && place.1 > 0);
+                place.map(|place| place.1)
             }
         };
         self.ordered[queue as usize].filter(barriers, self.counts[queue as usize], place);

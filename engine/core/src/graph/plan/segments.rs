@@ -282,7 +282,7 @@ fn initial(whole: &Description) -> Vec<VersionId> {
 fn begins_with(whole: &Description, versions: &Versions, initial: &[VersionId], number: usize) -> Source {
     let version = &whole.versions[number];
     let of = initial[version.resource.0 as usize];
-    match versions.fork[number] {
+    match versions.fork(VersionId(number as u32)) {
         Some(of) => Source::Fork { of },
         None if version.range == whole.versions[of.0 as usize].range => Source::Join { of: vec![of] },
         None => Source::Split { of },

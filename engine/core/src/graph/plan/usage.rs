@@ -7,7 +7,7 @@ use ash::vk::{
 
 use super::Usage;
 use super::stages::bits;
-use crate::graph::description::{Access, Description, Root, Shape, Use};
+use crate::graph::description::{Access, Description, Resource, Root, Shape, Use};
 
 const SHADERS: Stages = Stages::from_raw(
     Stages::VERTEX_SHADER.as_raw()
@@ -192,7 +192,7 @@ pub(super) fn reads(access: &Access) -> impl Iterator<Item = (Stages, Mask)> {
 }
 
 /// The kinds of access that a mask asks for.
-fn kinds(mask: Mask) -> impl Iterator<Item = &'static Kind> {
+pub(super) fn kinds(mask: Mask) -> impl Iterator<Item = &'static Kind> {
     bits(mask.as_raw()).filter_map(|bit| KINDS.get(usize::from(PLACES[bit.trailing_zeros() as usize])))
 }
 
@@ -207,9 +207,9 @@ const PLACES: [u8; 64] = {
     places
 };
 
-/// Usage flags that one access of a resource asks for.
-pub(super) fn usage_of(shape: &Shape, access: &Access) -> Usage {
-    let kinds = kinds(access.mask);
+/// Usage flags that accesses of a resource ask for.
+pub(super) fn usage_of(shape: &Shape, mask: Mask) -> Usage {
+    let kinds = kinds(mask);
     match shape {
         Shape::Image(_) => Usage::Image(kinds.fold(ImageUsage::empty(), |all, kind| all | kind.image)),
         Shape::Buffer { .. } => Usage::Buffer(kinds.fold(BufferUsage::empty(), |all, kind| all | kind.buffer)),
@@ -218,11 +218,9 @@ pub(super) fn usage_of(shape: &Shape, access: &Access) -> Usage {
 
 /// Usage flags of every resource that live passes and read-backs use.
 pub(super) fn usages(description: &Description, live: &[bool]) -> Vec<Option<Usage>> {
-    let mut usages: Vec<Option<Usage>> = vec![None; description.resources.len()];
+    let mut masks = vec![Mask::NONE; description.resources.len()];
     let mut add = |version: u32, access: &Access| {
-        let index = description.versions[version as usize].resource.0 as usize;
-        let more = usage_of(&description.resources[index].shape, access);
-        usages[index] = Some(usages[index].map_or(more, |known| known.merge(more)));
+        masks[description.versions[version as usize].resource.0 as usize] |= access.mask;
     };
     for (pass, _) in description.passes.iter().zip(live).filter(|(_, live)| **live) {
         description.uses_of(pass).iter().for_each(|used: &Use| add(used.version.0, &used.access));
@@ -230,15 +228,7 @@ pub(super) fn usages(description: &Description, live: &[bool]) -> Vec<Option<Usa
     for root in description.roots.iter().filter(|root: &&Root| root.read_back) {
         add(root.version.0, &Access::copy_read());
     }
-    usages
-}
-
-impl Usage {
-    fn merge(self, other: Usage) -> Usage {
-        match (self, other) {
-            (Usage::Image(a), Usage::Image(b)) => Usage::Image(a | b),
-            (Usage::Buffer(a), Usage::Buffer(b)) => Usage::Buffer(a | b),
-            _ => self,
-        }
-    }
+    // No access is empty: this was checked.
+    let usage = |(resource, &mask): (&Resource, &Mask)| (!mask.is_empty()).then(|| usage_of(&resource.shape, mask));
+    description.resources.iter().zip(&masks).map(usage).collect()
 }

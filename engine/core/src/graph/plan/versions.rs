@@ -67,12 +67,14 @@ pub(super) struct Versions {
     pub(super) epoch: Vec<u32>,
     /// By slot: whether anybody ever wrote the contents.
     pub(super) defined: Vec<bool>,
-    /// By version: what it was forked from, where it was and is not joined yet.
-    pub(super) fork: Vec<Option<VersionId>>,
+    /// By version: what it was forked from, where it was and is not joined yet. Nothing where none was.
+    forks: Vec<Option<VersionId>>,
     /// Versions that cannot be reasoned about.
     pub(super) broken: Vec<bool>,
     /// By cell of a kept resource: the state it arrives in.
     pub(super) arrival: FxHashMap<u32, State>,
+    /// Whether each version is all of a resource, and passes use the last one before them alone.
+    pub(super) plain: bool,
 }
 
 impl Versions {
@@ -81,31 +83,44 @@ impl Versions {
         Self::new(description, wholes(description), vec![false; description.versions.len()])
     }
 
+    /// Of versions that are each all of a resource. Passes use the last one before them alone, and kept resources there
+    /// are none.
+    pub(super) fn plain(cells: Cells, epoch: Vec<u32>, defined: Vec<bool>) -> Self {
+        let broken = vec![false; defined.len()];
+        Self { cells, epoch, defined, forks: Vec::new(), broken, arrival: FxHashMap::default(), plain: true }
+    }
+
     /// Goes through versions in order; sources of a version that is not broken come before it. `wholes`: by resource, all
     /// of it.
     pub(super) fn new(description: &Description, wholes: Vec<Range>, broken: Vec<bool>) -> Self {
         let cells = Cells::new(description, wholes, &broken);
         let mut facts = Self {
             arrival: arrival(description, &cells),
-            epoch: vec![0; cells.slot_count()],
-            defined: vec![false; cells.slot_count()],
-            fork: vec![None; description.versions.len()],
+            epoch: Vec::with_capacity(cells.slot_count()),
+            defined: Vec::with_capacity(cells.slot_count()),
+            forks: Vec::new(),
             cells,
             broken,
+            plain: false,
         };
         for (index, version) in description.versions.iter().enumerate() {
             if facts.broken[index] {
                 continue;
             }
-            facts.fork[index] = match &version.source {
+            let fork = match &version.source {
                 Source::Fork { of } => Some(*of),
-                Source::Pass { from, .. } => facts.fork[from.0 as usize],
+                Source::Pass { from, .. } => facts.fork(*from),
                 _ => None,
             };
+            if fork.is_some() {
+                facts.forks.resize(description.versions.len(), None);
+                facts.forks[index] = fork;
+            }
+            // Slots come in order.
             for slot in facts.cells.slots(index) {
                 let (epoch, defined) = facts.derive(description, &version.source, slot);
-                facts.epoch[slot] = epoch;
-                facts.defined[slot] = defined;
+                facts.epoch.push(epoch);
+                facts.defined.push(defined);
             }
         }
         facts
@@ -131,6 +146,16 @@ impl Versions {
             Source::Split { of } | Source::Fork { of } => at(*of),
             Source::Join { of } => of.iter().map(|&part| at(part)).fold((0, false), |a, b| (a.0.max(b.0), a.1 || b.1)),
         }
+    }
+
+    /// What a version was forked from, where it was and is not joined yet.
+    pub(super) fn fork(&self, version: VersionId) -> Option<VersionId> {
+        *self.forks.get(version.0 as usize)?
+    }
+
+    /// Whether any version was forked.
+    pub(super) fn are_forked(&self) -> bool {
+        !self.forks.is_empty()
     }
 
     /// Whether a version can be reasoned about.

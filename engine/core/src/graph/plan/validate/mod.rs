@@ -3,6 +3,7 @@
 mod checkpoints;
 mod ids;
 mod order;
+mod plain;
 mod uses;
 mod versions;
 
@@ -27,29 +28,35 @@ pub(super) fn validate(
     ids::names(&mut errors);
     ids::resources(&mut errors);
 
-    // 2. Ids and ranges. A version that fails is left out of what follows.
+    // 2. Of most frames it is plain to see that nothing else can be wrong but roots.
+    let plain = if errors.list.is_empty() { plain::look(description, device) } else { None };
+    if let Some((versions, events, dependencies)) = plain {
+        versions::roots(&mut errors, &versions);
+        return errors.finish((versions, events, dependencies));
+    }
+
+    // 3. Ids and ranges. A version that fails is left out of what follows.
     let wholes = wholes(description);
     let broken = ids::versions(&mut errors, &wholes);
     let versions = Versions::new(description, wholes, broken);
 
-    // 3. How versions are made: splits, joins, forks.
+    // 4. How versions are made: splits, joins, forks.
     versions::joins(&mut errors, &versions);
     versions::forks(&mut errors, &versions);
 
-    // 4. Passes, use by use and two by two.
+    // 5. Passes, use by use and two by two.
     let allowed = allowed(description, device);
-    let mut fine = uses::Fine::new();
     for pass in &description.passes {
-        uses::pass(&mut errors, &versions, pass, &allowed, &mut fine);
+        uses::pass(&mut errors, &versions, pass, &allowed);
         uses::pairs(&mut errors, &versions, pass);
     }
 
-    // 5. Roots and checkpoints.
+    // 6. Roots and checkpoints.
     versions::roots(&mut errors, &versions);
 
     checkpoints::check(&mut errors);
 
-    // 6. Writers of one version, and circles.
+    // 7. Writers of one version, and circles.
     let (events, dependencies) = order::check(&mut errors, &versions);
 
     errors.finish((versions, events, dependencies))

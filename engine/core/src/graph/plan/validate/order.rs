@@ -16,7 +16,6 @@ pub(super) fn check(errors: &mut Errors, versions: &Versions) -> (Events, Depend
         description.passes.get(event.node as usize)?;
         description.uses[event.used as usize].makes.filter(|&made| versions.is_known(made))
     };
-    let fork = |made: VersionId| versions.fork[made.0 as usize];
     let before = errors.list.len();
     let mut seen: Vec<(VersionId, VersionId)> = Vec::new();
     for cell in 0..events.cells() {
@@ -29,7 +28,9 @@ pub(super) fn check(errors: &mut Errors, versions: &Versions) -> (Events, Depend
         for set in writes.filter(|set| set.len() > 1) {
             for (index, a) in set.iter().enumerate() {
                 let rivals = set[..index].iter().filter_map(|b| makes(a).zip(makes(b)));
-                for (a, b) in rivals.filter(|&(a, b)| fork(a).is_none() || fork(a) != fork(b)) {
+                for (a, b) in
+                    rivals.filter(|&(a, b)| versions.fork(a).is_none() || versions.fork(a) != versions.fork(b))
+                {
                     if !seen.contains(&(a, b)) {
                         seen.push((a, b));
                         rivals_error(errors, a, b);

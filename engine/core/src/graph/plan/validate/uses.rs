@@ -1,45 +1,16 @@
 //! Uses of passes: each by itself, and two of one pass together.
 
-use std::hash::{Hash, Hasher};
-
 use ash::vk::{self, AccessFlags2 as Mask, PipelineStageFlags2 as Stages};
 
 use super::{Errors, Place};
-use crate::graph::description::{Access, Description, ImageShape, Pass, Queue, Range, Shape, Source, Use};
+use crate::graph::description::{Description, ImageShape, Pass, Queue, Range, Shape, Source, Use};
 use crate::graph::errors::ErrorKind;
 use crate::graph::plan::Usage;
-use crate::graph::plan::memo::Memo;
 use crate::graph::plan::usage::{self, COMPUTE_STAGES, KINDS, ON_BUFFERS, ON_IMAGES, TRANSFER_STAGES, usage_of};
 use crate::graph::plan::versions::Versions;
 
-/// Accesses that were looked at and are fine: most passes do what others do.
-pub(super) type Fine = Memo<Kind, ()>;
-
-/// An access with all that it depends on whether it is fine.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) struct Kind {
-    access: Access,
-    writes: bool,
-    queue: Queue,
-    /// Aspects, and what the device allows; `None`: of a buffer.
-    image: Option<(vk::ImageAspectFlags, vk::ImageUsageFlags)>,
-}
-
-impl Hash for Kind {
-    /// Masks alone tell most accesses apart.
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        state.write_u64(self.access.mask.as_raw());
-    }
-}
-
 /// A pass does something, and each of its uses can be.
-pub(super) fn pass(
-    errors: &mut Errors,
-    versions: &Versions,
-    pass: &Pass,
-    allowed: &[vk::ImageUsageFlags],
-    fine: &mut Fine,
-) {
+pub(super) fn pass(errors: &mut Errors, versions: &Versions, pass: &Pass, allowed: &[vk::ImageUsageFlags]) {
     let uses = errors.description.uses_of(pass);
     if uses.is_empty() && pass.side_effect.is_none() {
         let allowed = "it reads or writes something, or has a side effect";
@@ -61,7 +32,7 @@ pub(super) fn pass(
             let allowed = "write it first, or say that its earlier contents do not matter";
             errors.add(ErrorKind::ReadBeforeWrite, place(), "reads what nobody has written", allowed);
         }
-        if used.makes.is_none() && versions.fork[used.version.0 as usize].is_some() {
+        if used.makes.is_none() && versions.fork(used.version).is_some() {
             let allowed = "join the unordered writers first";
             errors.add(ErrorKind::BadFork, place(), "reads the version of one unordered writer", allowed);
         }
@@ -70,19 +41,46 @@ pub(super) fn pass(
             (Shape::Image(shape), Range::Image { aspects, .. }) => Some((shape, aspects)),
             _ => None,
         };
-        let (access, writes) = (used.access, used.makes.is_some());
-        let image = image_of.map(|(_, aspects)| (aspects, allowed));
-        fine.get(Kind { access, writes, queue: pass.queue, image }, || {
-            let (before, place) = (errors.list.len(), place());
-            makes(errors, place, used);
-            match image_of {
-                Some((shape, aspects)) => on_image(errors, place, shape, aspects, used, allowed),
-                None => buffer(errors, place, used),
-            }
-            stages(errors, place, used);
-            queue(errors, place, pass.queue, used);
-            ((), errors.list.len() == before)
-        });
+        if is_fine(used, pass.queue, image_of.map(|(_, aspects)| (aspects, allowed))) {
+            continue;
+        }
+        let place = place();
+        makes(errors, place, used);
+        match image_of {
+            Some((shape, aspects)) => on_image(errors, place, shape, aspects, used, allowed),
+            None => buffer(errors, place, used),
+        }
+        stages(errors, place, used);
+        queue(errors, place, pass.queue, used);
+    }
+}
+
+/// Whether none of the checks below finds anything wrong with an access. `image`: its aspects, and what the device allows;
+/// `None`: of a buffer.
+pub(super) fn is_fine(used: &Use, queue: Queue, image: Option<(vk::ImageAspectFlags, vk::ImageUsageFlags)>) -> bool {
+    let access = &used.access;
+    let all = if image.is_some() { ON_IMAGES } else { ON_BUFFERS };
+    let can_be = |kind: &usage::Kind| {
+        kind.stages.intersects(access.stages)
+            && image.is_none_or(|(aspects, allowed)| {
+                kind.aspects.contains(aspects)
+                    && kind.layouts.contains(&access.layout)
+                    && allowed.contains(kind.usage())
+            })
+    };
+    used.makes.is_some() != access.writes().is_empty()
+        && !access.mask.is_empty()
+        && all.contains(access.mask)
+        && usage::kinds(access.mask).all(can_be)
+        && stages_of(queue).contains(access.stages)
+}
+
+/// All stages that a queue has.
+fn stages_of(queue: Queue) -> Stages {
+    match queue {
+        Queue::Graphics => Stages::from_raw(!0),
+        Queue::Compute => COMPUTE_STAGES,
+        Queue::Transfer => TRANSFER_STAGES,
     }
 }
 
@@ -139,7 +137,7 @@ fn on_image(
             let wrong = format!("{:?} in layout {:?}", kind.mask, used.access.layout);
             errors.add(ErrorKind::WrongUsage, place, wrong, format!("it works in {:?}", kind.layouts));
         }
-        if let Usage::Image(usage) = usage_of(&Shape::Image(*shape), &used.access)
+        if let Usage::Image(usage) = usage_of(&Shape::Image(*shape), used.access.mask)
             && let usage = usage & kind.usage()
             && !allowed.contains(usage)
         {
@@ -182,11 +180,7 @@ fn stages(errors: &mut Errors, place: Place, used: &Use) {
 
 /// The queue that a pass asks for has the stages it uses.
 fn queue(errors: &mut Errors, place: Place, queue: Queue, used: &Use) {
-    let allowed = match queue {
-        Queue::Graphics => return,
-        Queue::Compute => COMPUTE_STAGES,
-        Queue::Transfer => TRANSFER_STAGES,
-    };
+    let allowed = stages_of(queue);
     let odd: Stages = used.access.stages & !allowed;
     if !odd.is_empty() {
         let wrong = format!("stages {odd:?} on the {queue:?} queue");

@@ -9,10 +9,13 @@ use crate::graph::plan::versions::Versions;
 /// The parts of a joined version cover it, none of them twice, unless they are forks of one version.
 pub(super) fn joins(errors: &mut Errors, versions: &Versions) {
     let description = errors.description;
-    for (index, version) in description.versions.iter().enumerate().filter(|(index, _)| !versions.broken[*index]) {
+    for (index, version) in description.versions.iter().enumerate() {
         let Source::Join { of } = &version.source else { continue };
+        if versions.broken[index] {
+            continue;
+        }
         let place = Place::resource(version.resource);
-        let forks: Vec<_> = of.iter().map(|part| versions.fork[part.0 as usize]).collect();
+        let forks: Vec<_> = of.iter().map(|part| versions.fork(*part)).collect();
         if forks.iter().any(|fork| *fork != forks[0]) {
             let wrong = "unordered versions are joined with others";
             errors.add(ErrorKind::BadJoin, place, wrong, "forks of one version are joined with one another");
@@ -37,14 +40,14 @@ pub(super) fn joins(errors: &mut Errors, versions: &Versions) {
 
 /// A forked version is written once, and then joined.
 pub(super) fn forks(errors: &mut Errors, versions: &Versions) {
-    if versions.fork.iter().all(Option::is_none) {
+    if !versions.are_forked() {
         return;
     }
     let description = errors.description;
     let allowed = "join the unordered writers before anything else is done with what they write";
     for (index, version) in description.versions.iter().enumerate().filter(|(index, _)| !versions.broken[*index]) {
         let place = Place::resource(version.resource);
-        let is_fork = |of: VersionId| versions.fork[of.0 as usize].is_some();
+        let is_fork = |of: VersionId| versions.fork(of).is_some();
         match version.source {
             Source::Split { of } | Source::Fork { of } if is_fork(of) => {
                 errors.add(ErrorKind::BadFork, place, "a version of one unordered writer is split or forked", allowed);
@@ -89,7 +92,7 @@ pub(super) fn roots(errors: &mut Errors, versions: &Versions) {
             let wrong = format!("nobody writes what root `{name}` asks for");
             errors.add(ErrorKind::EmptyRoot, place, wrong, "a root is written by a pass, or imported");
         }
-        if versions.fork[root.version.0 as usize].is_some() {
+        if versions.fork(root.version).is_some() {
             let wrong = format!("root `{name}` is a version of one unordered writer");
             errors.add(ErrorKind::BadFork, place, wrong, "join the unordered writers first");
         }
