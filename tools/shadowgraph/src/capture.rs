@@ -129,6 +129,8 @@ fn render_and_write(
     };
     frame.layers.retain(|layer| wanted.layers.wants(&layer.name));
     let (mut told, png) = thread::scope(|scope| {
+        // Memory of the frame's images goes back meanwhile: captures have their own.
+        scope.spawn(move || drop(executor));
         let png = arguments.png.as_ref().map(|path| scope.spawn(|| write_picture(path, size, &pixels)));
         let told = write_layers(arguments, &description, (&frame, &executed, packed), phases);
         let png = png.map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
