@@ -145,14 +145,9 @@ mod tests {
 
     /// A module of these instructions, after types of bools and of numbers of 32 bits.
     fn module(instructions: &[&[u32]]) -> Vec<u32> {
-        let types: [&[u32]; 2] = [&[head::TYPE_BOOL, BOOL], &[head::TYPE_INT, UINT, 32, 0]];
-        [&[0x0723_0203, 0x0001_0600, 0, 99, 0]]
-            .into_iter()
-            .chain(types)
-            .chain(instructions.iter().copied())
-            .flatten()
-            .copied()
-            .collect()
+        let header: &[u32] = &[0x0723_0203, 0x0001_0600, 0, 99, 0];
+        let before = [header, &[head::TYPE_BOOL, BOOL], &[head::TYPE_INT, UINT, 32, 0]];
+        [&before, instructions].concat().concat()
     }
 
     #[test]
