@@ -295,6 +295,17 @@ fn transparency_abuffer_with_too_few_nodes_is_built_again() {
         assert!(found.color == whole.color && found.count == whole.count, "capacity {capacity}");
     }
     println!("{} capacities up to {}", capacities.len(), whole.nodes + 1);
+    // From frame to frame: fewer, a few more, and many more than the last one had.
+    let mut last = 0;
+    for layers in [3, 2, 4, 12, 12] {
+        let soup = Soup::random(8, [16, 16], layers, 1);
+        let mut kitchen = Kitchen::new(shared(), &soup);
+        let whole = kitchen.run(LISTS, false).unwrap();
+        let found = kitchen.run(ABuffer { build: Build::Lists(Sizing::after(last)), ..LISTS }, false).unwrap();
+        assert!(found.color == whole.color && found.count == whole.count, "{layers} layers after {last} nodes");
+        last = found.counter.unwrap();
+        assert_eq!(last, whole.nodes);
+    }
     silent(shared());
 }
 

@@ -130,9 +130,16 @@ pub enum Sizing {
     /// As many as a precise occlusion query counts before. Needs `occlusionQueryPrecise`. Of several samples a pixel a query
     /// counts each, so the lists' counter counts instead, in a pass that keeps nothing.
     Counted,
-    /// So many: mostly what the last frame's [`Composited::counter`] told, and some more. Where that is too few, the lists
-    /// are built again in the same frame, with as many as there are.
+    /// So many: mostly of [`Sizing::after`]. Where that is too few, the lists are built again in the same frame, with as many
+    /// as there are.
     Guessed(u32),
+}
+
+impl Sizing {
+    /// What the last frame's [`Composited::counter`] told, and an eighth more.
+    pub fn after(counted: u32) -> Self {
+        Self::Guessed(counted.saturating_add(counted / 8))
+    }
 }
 
 /// What an A-buffer gives.
