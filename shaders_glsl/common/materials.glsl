@@ -12,7 +12,7 @@ const uint TEXTURE_OCCLUSION = 3u;
 const uint TEXTURE_EMISSIVE = 4u;
 const uint TEXTURE_TRANSMISSION = 5u;
 
-// Bit k of `flags`: texture k is there; bit k + 8: it uses the second texture coordinates.
+// Bit k + 8 of `flags`: texture k uses the second texture coordinates.
 const uint MATERIAL_UNLIT = 1u << 16;
 const uint MATERIAL_PREMULTIPLIED = 1u << 17; // base colour is multiplied by alpha
 const uint MATERIAL_ADD = 1u << 18; // hides nothing

@@ -296,6 +296,7 @@ fn transparency_abuffer_with_too_few_nodes_is_built_again() {
     }
     println!("{} capacities up to {}", capacities.len(), whole.nodes + 1);
     // From frame to frame: fewer, a few more, and many more than the last one had.
+    assert_eq!(Sizing::after(80), Sizing::Guessed(90));
     let mut last = 0;
     for layers in [3, 2, 4, 12, 12] {
         let soup = Soup::random(8, [16, 16], layers, 1);

@@ -322,7 +322,7 @@ fn material_record(material: &Material) -> blocks::Material {
         AlphaMode::Opaque => 1 << 19,
         AlphaMode::Mask { .. } | AlphaMode::Blend => 0,
     };
-    let mut flags = textures_of(material) | u32::from(material.unlit) << 16 | alpha;
+    let mut flags = u32::from(material.unlit) << 16 | alpha;
     let mut rows = [Vec3::ZERO; 12];
     for (i, (slot, _)) in slots(material).into_iter().enumerate() {
         let Some(slot) = slot else { continue };

@@ -103,8 +103,8 @@ fn render_and_write(
         let mut packing = None;
         let mut render = |last: bool| {
             session::render(&mut executor, gpu, scene, &settings, change, |frame, captures| {
-                let parts = description.parts_of(frame, captures);
                 if last && arguments.output.is_some() {
+                    let parts = description.parts_of(frame, captures);
                     packing = Some(scope.spawn(|| pack(parts?, arguments.compression, &ended)));
                 }
             })

@@ -87,8 +87,21 @@ struct Frame<'f> {
     first_pass: u32,
     /// By pass of the whole frame, whether it runs. Nothing for a frame of one segment.
     live: Vec<bool>,
-    /// What the host reads at checkpoints to come.
+    /// What the host reads at checkpoints.
     awaited: Vec<VersionId>,
+}
+
+impl<'f> Frame<'f> {
+    /// Before its first segment.
+    fn new(
+        (work, bound): (Vec<Work<'f>>, Vec<Bound>),
+        memory: Resources,
+        arena: Option<Buffer>,
+        queries: Vec<Asked>,
+    ) -> Self {
+        let (work, bound) = (work.into_iter(), Arc::new(bound));
+        Self { work, bound, memory, arena, queries, first_pass: 0, live: Vec::new(), awaited: Vec::new() }
+    }
 }
 
 /// A segment that has run.
@@ -188,9 +201,7 @@ impl<'g> Executor<'g> {
         let Graph { description, work, bound, mut external, arena, histories, later, queries, .. } = graph;
         self.histories.take(self.gpu, &histories, &mut external)?;
         let arena = self.arena_of_this_frame(&arena.bytes)?;
-        let (work, memory, bound) = (work.into_iter(), Resources(external), Arc::new(bound));
-        let mut frame =
-            Frame { work, bound, memory, arena, queries, first_pass: 0, live: Vec::new(), awaited: Vec::new() };
+        let mut frame = Frame::new((work, bound), Resources(external), arena, queries);
         if description.checkpoints.is_empty() {
             let (ran, description) = self.run_once(description, plan, &mut frame)?;
             self.histories.keep(histories, plan, &frame.memory.0);
@@ -227,9 +238,7 @@ impl<'g> Executor<'g> {
         resources::check_turns(plan, &description)?;
         let turns = self.histories.share(histories, plan, &mut external)?;
         let arena = self.arena(&arena.bytes)?;
-        let (work, memory, bound) = (work.into_iter(), Resources(external), Arc::new(bound));
-        let mut frame =
-            Frame { work, bound, memory, arena, queries, first_pass: 0, live: Vec::new(), awaited: Vec::new() };
+        let mut frame = Frame::new((work, bound), Resources(external), arena, queries);
         let descriptors = self.gpu.descriptor_cache(&description.name);
         self.ready(description, plan, &mut frame, (descriptors, turns))
     }

@@ -10,7 +10,6 @@ use crate::graph::plan::{Plan, first_segment, segment};
 impl Frame<'_> {
     /// The host has read a version at a checkpoint: passes to come need not ask the device what it holds.
     fn know(&mut self, known: VersionId, whole: &Description, read: &Capture) -> Result<()> {
-        self.awaited.retain(|&version| version != known);
         let Range::Buffer([first, _]) = whole.versions[known.0 as usize].range else { return Ok(()) };
         let work = self.work.as_mut_slice();
         read.bytes(|bytes| work.iter_mut().for_each(|work| work.know(known, first, bytes)))

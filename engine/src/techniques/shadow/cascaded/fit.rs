@@ -60,12 +60,11 @@ impl Fit {
         let Some(slice_box) = Aabb::around(slice.iter().copied()) else { return };
         let inside = Aabb { min: slice_box.min.max(scene.min), max: slice_box.max.min(scene.max) };
         let (Some(seen), Some(filled)) = (texels(&slice), texels(&inside.corners())) else { return };
-        let first = seen.min.max(filled.min) - around;
-        let end = seen.max.min(filled.max) + around;
-        let clamped = |value: f32, axis: usize| value.clamp(0.0, self.view.size[axis] as f32);
-        let offset = [clamped(first.x.floor(), 0) as u32, clamped(first.y.floor(), 1) as u32];
-        let end = [clamped(end.x.ceil(), 0) as u32, clamped(end.y.ceil(), 1) as u32];
-        self.region = Region { offset, size: [0, 1].map(|axis| end[axis].saturating_sub(offset[axis])) };
+        let in_map = |texel: Vec3| texel.clamp(Vec3::ZERO, Vec3::splat(self.view.size[0] as f32));
+        let first = in_map((seen.min.max(filled.min) - around).floor());
+        let size = in_map((seen.max.min(filled.max) + around).ceil()) - first;
+        // What is less than nothing becomes 0.
+        self.region = Region { offset: [first.x as u32, first.y as u32], size: [size.x as u32, size.y as u32] };
     }
 }
 

@@ -54,6 +54,7 @@ pub const OTHERS: [(&str, &dyn OrderIndependent); 6] = [
     ("stochastic, 8 samples", &Stochastic { samples: 8 }),
     ("weighted", &Weighted { weight: Weight::Equation7 }),
 ];
+
 /// Seconds of a frame, in all and of its two parts.
 #[derive(Clone, Copy)]
 pub struct Times {
